@@ -1,0 +1,25 @@
+//! elevon: prognostic health monitoring of electro-hydraulic flight-control actuators.
+//!
+//! A trace goes in (command, servovalve current, load pressure), the faults that grow in the actuator and its
+//! remaining useful life come out. The layers, from the inside out: [`numeric`] and [`units`]; [`models`] of the
+//! actuator; [`optimiser`] and [`estimation`]; [`prognostics`]; [`formats`]; [`store`], [`jobs`], [`http`] and the
+//! commands in [`cli`]. Dependencies point inward only (`docs/architecture.md`).
+#![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test that cannot go on should panic"))]
+
+pub mod app;
+pub mod cli;
+pub mod config;
+pub mod estimation;
+pub mod formats;
+pub mod http;
+pub mod jobs;
+pub mod models;
+pub mod numeric;
+pub mod optimiser;
+pub mod prognostics;
+pub mod store;
+pub mod telemetry;
+pub mod units;
+
+/// The version that made a result; it travels with every result.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");

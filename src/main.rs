@@ -1,0 +1,3 @@
+//! The `elevon` program.
+
+fn main() {}

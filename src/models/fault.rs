@@ -1,0 +1,29 @@
+//! Faults: what grows in an actuator, as changes of a model's parameters made before a run.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// Nominal dynamic jack friction, N (thesis, section 6.2).
+pub const FDJ_NOMINAL_N: f64 = 200.0;
+/// The most dynamic jack friction that is searched or simulated, N (thesis, section 7.2).
+pub const FDJ_MAX_N: f64 = 2000.0;
+
+/// The faults of one run. The default is a healthy actuator.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct Faults {
+    /// Torque-motor demagnetisation KGM, 0 (none) to 1 (no force left); section 6.1.
+    pub kgm: f64,
+    /// Dynamic jack friction FDJ, N, 200 (nominal) to 2000; section 6.2.
+    pub fdj_n: f64,
+    /// Radial clearance of the sleeve beyond the nominal one, m, 0 to 1e-4; section 7.2, third test.
+    pub clearance_m: f64,
+    /// Filter clogging (Kintas), 0 (clean) to 1 (closed); section 4.1.2.
+    pub clogging: f64,
+}
+
+impl Default for Faults {
+    fn default() -> Self {
+        Self { kgm: 0.0, fdj_n: FDJ_NOMINAL_N, clearance_m: 0.0, clogging: 0.0 }
+    }
+}

@@ -1,0 +1,1 @@
+//! Optimisers: they minimise a cost and have never heard of valves.

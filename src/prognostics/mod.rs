@@ -1,0 +1,1 @@
+//! Prognosis: from the history of a fault to the distribution of the remaining useful life.

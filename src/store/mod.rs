@@ -1,0 +1,176 @@
+//! What is kept: records and traces, each behind one small trait, so that the engine is chosen once, at the start.
+
+pub mod local;
+pub mod records;
+pub mod sqlite;
+
+use async_trait::async_trait;
+use jiff::Timestamp;
+use thiserror::Error;
+
+use records::{Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, TraceRecord};
+
+/// Why the store could not do what was asked.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// Another record has the same value in a field that must be unique.
+    #[error("{field} {value:?} is taken already")]
+    Conflict {
+        /// The field.
+        field: &'static str,
+        /// The value that is taken.
+        value: String,
+    },
+    /// As many jobs wait as may wait.
+    #[error("{queued} jobs are waiting, {limit} may")]
+    QueueFull {
+        /// The jobs that wait.
+        queued: u64,
+        /// The most that may wait.
+        limit: u64,
+    },
+    /// A stored value cannot be read back: the database was changed by something else, or is damaged.
+    #[error("the stored {what} {id} cannot be read: {reason}")]
+    Corrupt {
+        /// The kind of record.
+        what: &'static str,
+        /// Its id.
+        id: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The database failed.
+    #[error("the database failed")]
+    Database(#[from] sqlx::Error),
+    /// The database's schema could not be brought up to date.
+    #[error("the database could not be migrated")]
+    Migration(#[from] sqlx::migrate::MigrateError),
+    /// The file system failed.
+    #[error("the trace store failed at {path}")]
+    File {
+        /// What was being read or written, relative to the store.
+        path: String,
+        /// Why it failed.
+        source: std::io::Error,
+    },
+}
+
+/// One page of a list: at most `limit` records after the one that `after` names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Page {
+    /// The cursor of the last record already seen, as the store made it.
+    pub after: Option<String>,
+    /// The most records to return.
+    pub limit: u32,
+}
+
+/// Records of one page and the cursor of the next, when there is one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Paged<T> {
+    /// The records, in the list's order.
+    pub items: Vec<T>,
+    /// What to pass as [`Page::after`] for the page that follows.
+    pub next_cursor: Option<String>,
+}
+
+/// The history of one actuator's current life: what a forecast is made from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LifeHistory {
+    /// The actuator's revision that this history belongs to.
+    pub revision: i64,
+    /// The usage at which this life began, when a maintenance event says so.
+    pub life_start_usage: Option<f64>,
+    /// The newest estimate of every trace of this life, ascending by time of recording.
+    pub records: Vec<HealthRecord>,
+}
+
+/// An actuator with its newest health and its forecast, for the fleet's list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FleetRow {
+    /// The actuator.
+    pub actuator: Actuator,
+    /// Its newest record in this life.
+    pub newest: Option<HealthRecord>,
+    /// Its stored forecast, possibly of an older revision.
+    pub forecast: Option<ForecastRecord>,
+}
+
+/// Where records are kept. What a method acknowledged survives a kill and a loss of power.
+///
+/// An actuator's `revision` grows by one with every change to its history (an estimate, a maintenance event), so that a
+/// stored forecast can be told from a stale one.
+#[async_trait]
+pub trait Records: Send + Sync {
+    /// Answers when the records can be read; for the readiness probe.
+    async fn ping(&self) -> Result<(), StoreError>;
+
+    /// Keeps a new actuator. A serial number that is taken is a [`StoreError::Conflict`].
+    async fn insert_actuator(&self, actuator: &Actuator) -> Result<(), StoreError>;
+    /// One actuator.
+    async fn actuator(&self, id: Id) -> Result<Option<Actuator>, StoreError>;
+    /// Actuators in the order of their registration.
+    async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError>;
+
+    /// Keeps a trace and the job that will estimate from it, both or neither.
+    async fn insert_upload(&self, trace: &TraceRecord, job: &NewJob, queue_limit: u64) -> Result<(), StoreError>;
+    /// One trace's record (its bytes are in the [`Traces`]).
+    async fn trace(&self, id: Id) -> Result<Option<TraceRecord>, StoreError>;
+
+    /// Keeps a new job, queued.
+    async fn insert_job(&self, job: &NewJob, queue_limit: u64) -> Result<(), StoreError>;
+    /// One job.
+    async fn job(&self, id: Id) -> Result<Option<Job>, StoreError>;
+    /// Jobs, newest first, all or those in one state.
+    async fn jobs(&self, state: Option<JobState>, page: &Page) -> Result<Paged<Job>, StoreError>;
+    /// Number of jobs in each state, every state included.
+    async fn job_counts(&self) -> Result<Vec<(JobState, u64)>, StoreError>;
+    /// Takes a queued job: it becomes running, its attempt grows by one. `None` when it is not queued any more.
+    async fn claim_job(&self, id: Id, now: Timestamp) -> Result<Option<Job>, StoreError>;
+    /// Notes how far a running attempt has come (0 to 1). Of no effect once the attempt is over.
+    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<(), StoreError>;
+    /// Ends a running attempt and keeps what it found (an estimate grows the actuator's history and revision; a
+    /// simulation adds its trace) in one transaction. `false`, and nothing kept, when that attempt does not run any more.
+    async fn finish_job(&self, id: Id, attempt: u32, outcome: &Outcome, now: Timestamp) -> Result<bool, StoreError>;
+    /// Cancels a job that is queued or running and returns it as it is now; a finished one is returned unchanged.
+    async fn cancel_job(&self, id: Id, now: Timestamp) -> Result<Option<Job>, StoreError>;
+    /// After a start: queues again what was running when the process ended, fails what has used `attempts_max`
+    /// attempts, and returns the ids of all queued jobs, oldest first.
+    async fn recover_jobs(&self, attempts_max: u32, now: Timestamp) -> Result<Vec<Id>, StoreError>;
+
+    /// The history of an actuator, one record per trace (its newest estimate), ascending by time of recording, with
+    /// `from <= recorded_at < to`.
+    async fn health(
+        &self,
+        actuator: Id,
+        from: Option<Timestamp>,
+        to: Option<Timestamp>,
+        page: &Page,
+    ) -> Result<Paged<HealthRecord>, StoreError>;
+    /// The history of the current life: what was recorded since the newest event that starts a life.
+    async fn life_history(&self, actuator: Id) -> Result<Option<LifeHistory>, StoreError>;
+
+    /// Keeps a maintenance event and grows the actuator's revision.
+    async fn insert_maintenance(&self, event: &Maintenance) -> Result<(), StoreError>;
+    /// The maintenance events of an actuator, ascending by their time.
+    async fn maintenance(&self, actuator: Id, page: &Page) -> Result<Paged<Maintenance>, StoreError>;
+
+    /// The newest forecast of an actuator, possibly of an older revision.
+    async fn forecast(&self, actuator: Id) -> Result<Option<ForecastRecord>, StoreError>;
+    /// Keeps a forecast if the actuator still is at the revision that it was made from; `false` otherwise.
+    async fn store_forecast(&self, forecast: &ForecastRecord) -> Result<bool, StoreError>;
+    /// Actuators whose forecast is missing or of an older revision, at most `limit`.
+    async fn stale_forecasts(&self, limit: u32) -> Result<Vec<Id>, StoreError>;
+    /// The fleet, riskiest first (risk falling, then median remaining life rising, those without a forecast last).
+    async fn fleet(&self, tail_number: Option<&str>, page: &Page) -> Result<Paged<FleetRow>, StoreError>;
+}
+
+/// Where the bytes of traces are kept.
+#[async_trait]
+pub trait Traces: Send + Sync {
+    /// Keeps bytes under an id; they are durable when this returns.
+    async fn put(&self, id: Id, bytes: Vec<u8>) -> Result<(), StoreError>;
+    /// The bytes under an id, or `None`.
+    async fn get(&self, id: Id) -> Result<Option<Vec<u8>>, StoreError>;
+    /// Forgets the bytes under an id, if any: for a trace whose record could not be kept.
+    async fn delete(&self, id: Id) -> Result<(), StoreError>;
+}

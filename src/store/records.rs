@@ -1,0 +1,317 @@
+//! The records: what is known of actuators, traces, jobs and health, as plain values.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+use uuid::Uuid;
+
+use crate::estimation::Estimate;
+
+/// An opaque identifier that sorts by the time of its creation (UUID version 7).
+pub type Id = Uuid;
+
+/// How an actuator's usage is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum UsageUnit {
+    /// Hours of flight.
+    FlightHours,
+    /// Flights.
+    FlightCycles,
+}
+
+impl UsageUnit {
+    /// The unit's name in JSON and in the database.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::FlightHours => "flight_hours",
+            Self::FlightCycles => "flight_cycles",
+        }
+    }
+}
+
+/// The fault levels at which an actuator counts as failed.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Thresholds {
+    /// Torque-motor demagnetisation KGM, above 0, at most 1.
+    pub kgm: f64,
+    /// Dynamic jack friction FDJ, N, above 200, at most 2000.
+    pub fdj_n: f64,
+}
+
+impl Default for Thresholds {
+    fn default() -> Self {
+        Self { kgm: 0.4, fdj_n: 1000.0 }
+    }
+}
+
+/// An actuator of the fleet.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct Actuator {
+    /// Opaque id.
+    pub id: Id,
+    /// The part's serial number, unique in the service.
+    pub serial_number: String,
+    /// The aircraft.
+    pub tail_number: String,
+    /// Where on the aircraft, in free text.
+    pub location: String,
+    /// The name of its parameter set.
+    pub parameter_set: String,
+    /// Its failure thresholds.
+    pub thresholds: Thresholds,
+    /// What its usage counts.
+    pub usage_unit: UsageUnit,
+    /// When it was registered.
+    pub created_at: Timestamp,
+    /// Grows with every change to its history.
+    #[serde(skip)]
+    pub revision: i64,
+}
+
+/// What is known of a trace beside its bytes.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct TraceRecord {
+    /// Opaque id.
+    pub id: Id,
+    /// The actuator it was recorded on; null for a simulated trace.
+    pub actuator_id: Option<Id>,
+    /// When it was recorded.
+    pub recorded_at: Option<Timestamp>,
+    /// The actuator's usage then.
+    pub usage: Option<f64>,
+    /// The media type of the kept bytes.
+    pub media_type: String,
+    /// How its columns were named, as the query said it (`from:to,...`); empty when they have their own names.
+    pub columns: String,
+    /// The sampling rate that the query gave for a trace without times, Hz.
+    pub sample_rate_hz: Option<f64>,
+    /// Number of kept bytes.
+    pub size_bytes: u64,
+    /// SHA-256 of the kept bytes, in hexadecimal.
+    pub sha256: String,
+    /// Number of samples.
+    pub samples: u64,
+    /// Time from the first sample to the last, s.
+    pub duration_s: f64,
+    /// When it was kept.
+    pub created_at: Timestamp,
+}
+
+/// What a job does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobKind {
+    /// Estimates faults from a trace.
+    Estimation,
+    /// Makes a trace with a model.
+    Simulation,
+}
+
+impl JobKind {
+    /// The kind's name in JSON and in the database.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Estimation => "estimation",
+            Self::Simulation => "simulation",
+        }
+    }
+}
+
+/// Where a job is in its life.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum JobState {
+    /// Waits for a worker.
+    Queued,
+    /// Is being worked on.
+    Running,
+    /// Ended with a result.
+    Succeeded,
+    /// Ended without one; `error` says why.
+    Failed,
+    /// Was cancelled before it ended.
+    Cancelled,
+}
+
+impl JobState {
+    /// Every state, in the order of a job's life.
+    pub const ALL: [Self; 5] = [Self::Queued, Self::Running, Self::Succeeded, Self::Failed, Self::Cancelled];
+
+    /// The state's name in JSON and in the database.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Queued => "queued",
+            Self::Running => "running",
+            Self::Succeeded => "succeeded",
+            Self::Failed => "failed",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// Whether nothing more will happen to the job.
+    #[must_use]
+    pub const fn is_final(self) -> bool {
+        matches!(self, Self::Succeeded | Self::Failed | Self::Cancelled)
+    }
+}
+
+/// A job that is about to be queued.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NewJob {
+    /// Opaque id.
+    pub id: Id,
+    /// What it does.
+    pub kind: JobKind,
+    /// What it needs to know, as JSON (`jobs::kind::JobSpec`).
+    pub spec: serde_json::Value,
+    /// When it was asked for.
+    pub created_at: Timestamp,
+}
+
+/// A job as the store knows it.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct Job {
+    /// Opaque id.
+    pub id: Id,
+    /// What it does.
+    pub kind: JobKind,
+    /// Where it is in its life.
+    pub state: JobState,
+    /// How far it has come, 0 to 1.
+    pub progress: f64,
+    /// How often it was started.
+    pub attempt: u32,
+    /// When it was asked for.
+    pub created_at: Timestamp,
+    /// When its newest attempt started.
+    pub started_at: Option<Timestamp>,
+    /// When it ended.
+    pub finished_at: Option<Timestamp>,
+    /// What it found.
+    pub result: Option<serde_json::Value>,
+    /// Why it failed.
+    pub error: Option<String>,
+    /// What it needs to know.
+    #[serde(skip)]
+    pub spec: serde_json::Value,
+}
+
+/// How an attempt ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// An estimation ended: with figures, or inconclusive.
+    Estimated {
+        /// The trace.
+        trace_id: Id,
+        /// What was found.
+        estimate: Box<Estimate>,
+        /// The job's `result`.
+        result: serde_json::Value,
+    },
+    /// A simulation ended with a trace, whose bytes are in the trace store already.
+    Simulated {
+        /// The trace's record.
+        trace: Box<TraceRecord>,
+        /// The job's `result`.
+        result: serde_json::Value,
+    },
+    /// The attempt failed.
+    Failed {
+        /// Why.
+        error: String,
+    },
+}
+
+/// One estimate in an actuator's history.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct HealthRecord {
+    /// The trace that was estimated.
+    pub trace_id: Id,
+    /// The job that did it.
+    pub job_id: Id,
+    /// When the trace was recorded.
+    pub recorded_at: Timestamp,
+    /// The actuator's usage then.
+    pub usage: f64,
+    /// Torque-motor demagnetisation, 0 to 1.
+    pub kgm: Option<f64>,
+    /// Its standard deviation.
+    pub kgm_std: Option<f64>,
+    /// Dynamic jack friction, N.
+    pub fdj_n: Option<f64>,
+    /// Its standard deviation, N.
+    pub fdj_n_std: Option<f64>,
+    /// Whether the trace determined at least one fault.
+    pub verdict: crate::estimation::Verdict,
+}
+
+/// What was done to an actuator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MaintenanceKind {
+    /// Another part took its place: a new life.
+    Replaced,
+    /// It was brought back to new: a new life.
+    Overhauled,
+    /// It was looked at: its life goes on.
+    Inspected,
+}
+
+impl MaintenanceKind {
+    /// The kind's name in JSON and in the database.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Replaced => "replaced",
+            Self::Overhauled => "overhauled",
+            Self::Inspected => "inspected",
+        }
+    }
+
+    /// Whether a new life starts with it.
+    #[must_use]
+    pub const fn starts_life(self) -> bool {
+        matches!(self, Self::Replaced | Self::Overhauled)
+    }
+}
+
+/// A maintenance event.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct Maintenance {
+    /// Opaque id.
+    pub id: Id,
+    /// The actuator.
+    pub actuator_id: Id,
+    /// What was done.
+    pub kind: MaintenanceKind,
+    /// When.
+    pub at: Timestamp,
+    /// The actuator's usage then.
+    pub usage: f64,
+    /// What else was noted.
+    pub note: String,
+    /// When the event was reported.
+    pub created_at: Timestamp,
+}
+
+/// A forecast as it is kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForecastRecord {
+    /// The actuator.
+    pub actuator_id: Id,
+    /// The actuator's revision that it was made from.
+    pub revision: i64,
+    /// Probability that a threshold is passed within the service's risk horizon, 0 to 1; the fleet's order.
+    pub risk: Option<f64>,
+    /// Median remaining life, in the actuator's usage unit; null when unknown or beyond the forecast's horizon.
+    pub median_remaining: Option<f64>,
+    /// The forecast as it is served.
+    pub document: serde_json::Value,
+    /// When it was made.
+    pub created_at: Timestamp,
+}

@@ -1,0 +1,1 @@
+//! Units: the suffixes that column names carry, and their factors to SI.
