@@ -35,7 +35,7 @@ fn places(history: &[Observation], question: &Question) -> Vec<String> {
 }
 
 #[test]
-fn the_90_percent_interval_covers_the_truth_about_that_often() {
+fn the_90_percent_interval_covers_the_truth_of_straight_growth_at_least_four_times_in_five() {
     let mut covered = 0;
     for seed in 0..200 {
         let true_life = 50.0 + seed as f64;
@@ -44,7 +44,7 @@ fn the_90_percent_interval_covers_the_truth_about_that_often() {
         let inside = quantiles.q05.unwrap() <= true_life && quantiles.q95.is_none_or(|q| true_life <= q);
         covered += usize::from(inside);
     }
-    assert!((160..=200).contains(&covered), "{covered} of 200");
+    assert!(covered >= 160, "{covered} of 200");
 }
 
 #[test]
