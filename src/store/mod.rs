@@ -62,6 +62,19 @@ pub enum StoreError {
     },
 }
 
+impl StoreError {
+    /// Whether the same request may succeed later: the database failed, rather than refused.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        match self {
+            Self::Database(error) => {
+                error.as_database_error().is_none_or(|refusal| matches!(refusal.kind(), sqlx::error::ErrorKind::Other))
+            }
+            _ => false,
+        }
+    }
+}
+
 /// One page of a list: at most `limit` records after the one that `after` names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Page {
@@ -133,8 +146,9 @@ pub trait Records: Send + Sync {
     async fn job_counts(&self) -> Result<Vec<(JobState, u64)>, StoreError>;
     /// Takes a queued job: it becomes running, its attempt grows by one. `None` when it is not queued any more.
     async fn claim_job(&self, id: Id, now: Timestamp) -> Result<Option<Job>, StoreError>;
-    /// Notes how far a running attempt has come (0 to 1). Of no effect once the attempt is over.
-    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<(), StoreError>;
+    /// Notes how far a running attempt has come (0 to 1). `false`, and nothing noted, when that attempt does not run
+    /// any more: that is how it learns of its cancellation.
+    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<bool, StoreError>;
     /// Ends a running attempt and keeps what it found (an estimate grows the actuator's history and revision; a
     /// simulation adds its trace) in one transaction. `false`, and nothing kept, when that attempt does not run any more.
     async fn finish_job(&self, id: Id, attempt: u32, outcome: &Outcome, now: Timestamp) -> Result<bool, StoreError>;

@@ -27,6 +27,7 @@ pub(super) const LIST_IN_STATE: &str = select!("WHERE state = ?3 AND id < ?1 ORD
 pub(super) const COUNT_QUEUED: &str = "SELECT count(*) FROM jobs WHERE state = 'queued'";
 pub(super) const CLAIM: &str = "UPDATE jobs SET state = 'running', attempt = attempt + 1, progress = 0, started_at = ?2
     WHERE id = ?1 AND state = 'queued'";
+const PROGRESS: &str = "UPDATE jobs SET progress = ?3 WHERE id = ?1 AND attempt = ?2 AND state = 'running'";
 const FINISH: &str = "UPDATE jobs SET state = ?3, finished_at = ?4, result = ?5, error = ?6,
     progress = CASE ?3 WHEN 'succeeded' THEN 1.0 ELSE progress END
     WHERE id = ?1 AND attempt = ?2 AND state = 'running'";
@@ -111,14 +112,9 @@ pub(super) async fn report_progress(
     id: Id,
     attempt: u32,
     progress: f64,
-) -> Result<(), StoreError> {
-    sqlx::query("UPDATE jobs SET progress = ?3 WHERE id = ?1 AND attempt = ?2 AND state = 'running'")
-        .bind(id.to_string())
-        .bind(attempt)
-        .bind(progress)
-        .execute(writer)
-        .await?;
-    Ok(())
+) -> Result<bool, StoreError> {
+    let reported = sqlx::query(PROGRESS).bind(id.to_string()).bind(attempt).bind(progress).execute(writer).await?;
+    Ok(reported.rows_affected() == 1)
 }
 
 pub(super) async fn finish(

@@ -118,7 +118,7 @@ impl Records for SqliteRecords {
         jobs::claim(&self.writer, id, now).await
     }
 
-    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<(), StoreError> {
+    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<bool, StoreError> {
         jobs::report_progress(&self.writer, id, attempt, progress).await
     }
 
