@@ -3,3 +3,4 @@
 
 mod jobs;
 mod store_contract;
+mod models;
