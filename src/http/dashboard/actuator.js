@@ -17,7 +17,7 @@ export function drawActuator(container, detail, open, showMore) {
   const lifeStart = Math.max(-Infinity, ...replaced);
   const shown = open || HISTORY_AT_FIRST;
   reconcile(container, [
-    { key: "head", data: [record, life], draw: () => head(record, life) },
+    { key: "head", data: [record, life, history.at(-1)], draw: () => head(record, life, history) },
     ...(history.length === 0 ? [{ key: "none", data: record.id, draw: () => noRecords(record) }] : []),
     ...(history.length === 0 ? [] : Object.values(FAULTS)).map((fault) => {
       const model = modelOf(fault, detail, lifeStart);
@@ -29,13 +29,16 @@ export function drawActuator(container, detail, open, showMore) {
   ]);
 }
 
+/** Both charts of an actuator share one usage axis, so that they can be read one above the other. */
 function modelOf(fault, { record, history, life, maintenance }, lifeStart) {
   const forecast = life.faults[fault.value];
+  const reaches = Object.values(life.faults).filter((other) => other.forecast).map((other) => other.forecast.quantiles["0.95"] ?? other.forecast.horizon);
   return {
     fault,
     unit: unitName(record.usage_unit),
     limit: forecast.threshold,
     now: life.usage ?? history.at(-1).usage,
+    reach: Math.max(0, ...reaches),
     points: history.map((item) => ({
       usage: item.usage, value: item[fault.value], std: item[fault.std], recorded_at: item.recorded_at, earlier: item.usage < lifeStart,
     })),
@@ -57,16 +60,16 @@ function limiting(life) {
   })[0];
 }
 
-function head(record, life) {
+function head(record, life, history) {
   const status = statusOf({ remaining_life: life.forecast, risk: life.risk });
   return h("header", { class: "detail-head" },
     h("a", { class: "back", href: "#/" }, "Fleet"),
     h("p", { class: "identity" }, h("b", {}, record.serial_number), h("span", {}, record.tail_number), h("span", {}, record.location), badge(status)),
-    ...headline(life, unitName(record.usage_unit)),
+    ...headline(life, history, unitName(record.usage_unit)),
     life.forecast && !life.forecast.reached && lifeStrip(life.forecast, life.risk, unitName(record.usage_unit)));
 }
 
-function headline(life, unit) {
+function headline(life, history, unit) {
   const { forecast, risk } = life;
   if (!forecast) return [h("h2", {}, "No forecast yet"), h("p", { class: "because" }, life.reasons.join("; ") || "There are too few conclusive records.")];
   const fault = limiting(life);
@@ -76,15 +79,20 @@ function headline(life, unit) {
   if (forecast.reached) {
     const passed = Object.values(FAULTS).filter(({ value }) => life.faults[value].forecast?.reached);
     return [
-      h("h2", { class: "past" }, "Past its threshold"),
-      h("p", { class: "because" }, `${passed.length > 0 ? `${passed.map(({ name, symbol }) => `${name} (${symbol})`).join(" and ")} reached the threshold. ` : ""}${asOf}`),
+      h("h2", { class: "past" }, `Past its threshold: ${passed.map(({ name }) => name).join(" and ")}`),
+      h("p", { class: "because" }, [...passed.map((each) => measured(each, history, life.faults[each.value].threshold)), asOf].join(" ")),
     ];
   }
   return [
-    h("h2", {}, h("small", {}, "Median remaining life"), " ", h("b", {}, quantile(forecast.quantiles["0.5"], forecast.horizon)), ` ${unit} `, h("span", { class: "interval" }, `(90 %: ${interval90(forecast)})`)),
+    h("h2", {}, "Median remaining life ", h("span", { class: "together" }, `${quantile(forecast.quantiles["0.5"], forecast.horizon)} ${unit}`), " ", h("span", { class: "interval" }, `(90 %: ${interval90(forecast)})`)),
     h("p", { class: "because" }, [limit, chance, asOf].filter(Boolean).join(" ")),
     life.reasons.length > 0 && h("p", { class: "because" }, life.reasons.join("; ")),
   ].filter(Boolean);
+}
+
+function measured(fault, history, limit) {
+  const newest = history.findLast((item) => item[fault.value] !== null);
+  return newest ? `${fault.symbol} ${faultValue(fault, newest[fault.value])} against ${faultLimit(fault, limit)}.` : "";
 }
 
 function noRecords(record) {
@@ -97,17 +105,19 @@ function noRecords(record) {
 function historyTable({ record, history, truncated }, shown, lifeStart, showMore) {
   const newestFirst = history.toReversed();
   const left = newestFirst.length - shown;
-  const cell = (item, { value, std }, fault) => h("td", {}, item[value] === null ? "–" : [faultValue(fault, item[value], false), item[std] !== null && h("span", { class: "pm" }, ` ± ${faultValue(fault, item[std], false)}`)]);
+  const cell = (item, fault) => h("td", {}, item[fault.value] === null ? "–" : [
+    faultValue(fault, item[fault.value], false), item[fault.std] !== null && h("span", { class: "pm" }, ` ± ${faultValue(fault, item[fault.std], false)}`),
+  ]);
   return h("section", { class: "block" },
     h("h3", {}, "History"),
     h("div", { class: "scroller", tabindex: 0, role: "region", "aria-label": "History table" }, h("table", {},
-      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Recorded"), h("th", { scope: "col" }, `Usage [${unitName(record.usage_unit)}]`), h("th", { scope: "col" }, "KGM [-]"), h("th", { scope: "col" }, "FDJ [N]"), h("th", { scope: "col" }, "Verdict"))),
+      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Recorded"), h("th", { scope: "col" }, "Usage ", h("small", {}, `[${unitName(record.usage_unit)}]`)), h("th", { scope: "col" }, "KGM [-]"), h("th", { scope: "col" }, "FDJ [N]"), h("th", { scope: "col" }, "Verdict"))),
       h("tbody", {}, newestFirst.slice(0, shown).map((item) => h("tr", { class: item.usage < lifeStart ? "earlier" : null },
-        h("td", {}, h("a", { href: `/v1/traces/${encodeURIComponent(item.trace_id)}` }, when(item.recorded_at))),
+        h("td", { class: "time" }, h("a", { href: `/v1/traces/${encodeURIComponent(item.trace_id)}` }, when(item.recorded_at))),
         h("td", {}, item.usage.toFixed(1)),
-        Object.values(FAULTS).map((fault) => cell(item, fault, fault)),
+        Object.values(FAULTS).map((fault) => cell(item, fault)),
         h("td", { class: item.verdict }, item.usage < lifeStart ? `${item.verdict}, earlier life` : item.verdict)))))),
-    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, `Show ${Math.min(left, HISTORY_MORE)} more of ${left}`),
+    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, left > HISTORY_MORE ? `Show ${HISTORY_MORE} more of ${left}` : `Show the other ${left}`),
     truncated && h("p", { class: "hint" }, "Older records are not all shown; the raw JSON has them."));
 }
 

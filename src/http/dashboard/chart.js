@@ -5,10 +5,17 @@ import { amount, faultLimit, fixed } from "./format.js";
 
 const HEIGHT = 286;
 const LANE = 13;
-const GLYPH = 6.1;
+const TABULAR = 1.04;
 const FUTURE_MIN = 0.25;
 const FUTURE_MAX = 1.1;
 const CROSSINGS = [["0.05", "P5"], ["0.5", "P50"], ["0.95", "P95"]];
+
+const ruler = document.createElement("canvas").getContext("2d");
+
+function widthOf(text, weight = 400) {
+  ruler.font = `${weight} 11px ${getComputedStyle(document.body).fontFamily}`;
+  return ruler.measureText(text).width * TABULAR;
+}
 
 /** Round tick values inside `low..high`, about `count` of them. */
 export function ticks(low, high, count) {
@@ -23,13 +30,12 @@ export function ticks(low, high, count) {
 /** The scales of a chart `width` wide: data ranges, plot rectangle, and the maps `x` and `y` to pixels. */
 export function frame(model, width) {
   const { points, band, forecast, limit, events } = model;
-  const plot = { left: 58, right: width - 14, top: 36, bottom: HEIGHT - (forecast ? 70 : 38) };
+  const plot = { left: 58, right: width - 14, top: 32, bottom: HEIGHT - (forecast ? 70 : 38) };
   const usages = [...points.map((point) => point.usage), ...events.map((event) => event.usage), model.now];
   const first = Math.min(...usages);
   const newest = Math.max(...usages);
   const span = newest - first || Math.max(newest, 1) * 0.5;
-  const ahead = forecast ? (forecast.quantiles["0.95"] ?? forecast.horizon) * 1.12 : 0;
-  const last = newest + (forecast ? Math.min(Math.max(ahead, span * FUTURE_MIN), span * FUTURE_MAX) : span * 0.05);
+  const last = newest + Math.min(Math.max(model.reach * 1.12, span * FUTURE_MIN), span * FUTURE_MAX);
   const heights = [
     ...points.filter((point) => point.value !== null).map((point) => point.value + (point.std ?? 0)),
     ...band.filter((point) => point.usage <= last).map((point) => Math.min(point.high, limit * 1.35)),
@@ -57,8 +63,8 @@ export function drawChart(model, view, id, label) {
 }
 
 function axes(model, { plot, range, x, y }) {
-  const across = ticks(...range.x, Math.max(3, Math.floor((plot.right - plot.left) / 90)));
-  const up = ticks(...range.y, 4);
+  const across = ticks(...range.x, Math.max(3, Math.floor((plot.right - plot.left) / 65)));
+  const up = ticks(...range.y, 6);
   const bottom = HEIGHT - 6;
   return s("g", { class: "axes" },
     up.values.map((value) => s("line", { class: "grid", x1: plot.left, x2: plot.right, y1: y(value), y2: y(value) })),
@@ -105,7 +111,7 @@ function verticals({ events, now }, { plot, range, x }) {
   const taken = [[], []];
   const order = [...lines].sort((a, b) => (b.kind === "now") - (a.kind === "now") || (b.kind === "replaced") - (a.kind === "replaced") || b.usage - a.usage);
   return s("g", { class: "verticals" }, order.map(({ kind, usage, text }) => {
-    const half = (text.length * GLYPH) / 2;
+    const half = widthOf(text) / 2;
     const centre = Math.min(Math.max(x(usage), plot.left + half - 40), plot.right - half + 8);
     const lane = taken.findIndex((spans) => spans.every(([low, high]) => centre + half + 4 < low || centre - half - 4 > high));
     if (lane >= 0) taken[lane].push([centre - half, centre + half]);
@@ -124,7 +130,7 @@ function crossings({ forecast: { at, quantiles, horizon, reached }, limit }, { p
     const usage = quantiles[level] === null ? Infinity : at + quantiles[level];
     const shown = usage <= range.x[1];
     const text = quantiles[level] === null ? `${name} > ${amount(at + horizon)}` : `${name} ${amount(usage)}${shown ? "" : " →"}`;
-    return { text, shown, at: shown ? x(usage) : plot.right, width: text.length * GLYPH };
+    return { text, shown, at: shown ? x(usage) : plot.right, width: widthOf(text, 600) };
   });
   const places = spread(marks, plot.left - 40, plot.right + 8);
   return s("g", { class: "crossings" },

@@ -17,7 +17,7 @@ const DESK = matchMedia("(min-width: 1360px)");
 const state = {
   rows: null, truncated: false, jobs: null, updated: null, problem: null, failures: 0,
   filter: { tail: "", text: "", statuses: new Set() }, shown: ROWS_AT_FIRST,
-  chosen: null, preview: null, detail: null, detailProblem: null, historyShown: 0,
+  chosen: null, preview: null, detail: null, detailProblem: null, historyShown: 0, asked: {},
 };
 let timer = null;
 let polling = false;
@@ -70,19 +70,20 @@ function asProblem(error) {
 }
 
 /** Reads the selected actuator again when its fleet row changed, or after a while. */
-async function refreshDetail(force = false) {
+async function refreshDetail() {
   const id = selected();
   if (id === null) return;
   const row = JSON.stringify(state.rows?.find((item) => item.actuator_id === id) ?? null);
-  const fresh = state.detail?.record.id === id && state.detail.row === row && Date.now() - state.detail.read < DETAIL_MAX_AGE_MS;
-  if (fresh && !force) return;
+  const { id: askedId, row: askedRow, at } = state.asked;
+  if (askedId === id && askedRow === row && Date.now() - at < DETAIL_MAX_AGE_MS) return;
+  state.asked = { id, row, at: Date.now() };
   const path = `/v1/actuators/${encodeURIComponent(id)}`;
   try {
     const [record, health, life, maintenance] = await Promise.all([
       get(path), getAll(`${path}/health?limit=500`), get(`${path}/remaining-life`), getAll(`${path}/maintenance?limit=500`),
     ]);
     if (selected() !== id) return;
-    state.detail = { record, history: health.items, truncated: health.truncated, life, maintenance: maintenance.items, row, read: Date.now() };
+    state.detail = { record, history: health.items, truncated: health.truncated, life, maintenance: maintenance.items };
     state.detailProblem = null;
   } catch (error) {
     if (selected() !== id) return;
@@ -96,6 +97,7 @@ function render() {
   renderJobs();
   renderNotice();
   if (state.rows) {
+    byId("fleet").hidden = false;
     const pieces = summary(state.rows);
     refill(byId("summary"), pieces, () => pieces.map(({ text, tone }) => h("span", { "data-tone": tone }, text)));
     document.title = pieces.map(({ text }) => text).join("").split(";")[0] + " · elevon";
@@ -103,6 +105,7 @@ function render() {
   } else if (state.problem) {
     refill(byId("summary"), "unread", () => "The fleet could not be read");
     byId("rows").replaceChildren();
+    byId("fleet").hidden = true;
   }
   renderDetail();
 }
@@ -111,7 +114,7 @@ function renderLive() {
   const late = state.problem !== null;
   byId("live").dataset.state = late ? "stale" : state.updated ? "live" : "waiting";
   const time = state.updated ? clock(state.updated) : null;
-  byId("live-text").textContent = late ? (time ? `Stale, last update ${time}` : "No connection") : time ? `Updated ${time}` : "Connecting";
+  byId("live-text").textContent = late ? (time ? `Stale, last update ${time}` : "No data yet") : time ? `Updated ${time}` : "Connecting";
 }
 
 function renderJobs() {
@@ -139,7 +142,8 @@ const problemData = (problem) => problem && [problem.status, problem.title, prob
 
 function problemPieces(problem) {
   return [
-    h("p", {}, h("b", {}, problem.title), " ", problem.detail),
+    h("h3", {}, problem.title),
+    h("p", {}, problem.detail),
     problem.errors.length > 0 && h("ul", {}, problem.errors.map((error) => h("li", {}, h("code", {}, error.pointer), ` ${error.detail}`))),
     problem.requestId && h("p", { class: "hint" }, "Request ", h("code", {}, problem.requestId)),
     problem.status === 401 || problem.status === 403 ? keyForm() : h("button", { type: "button", class: "quiet", "data-focus": "retry", onclick: retry }, "Try again"),
@@ -157,7 +161,7 @@ function keyForm() {
 }
 
 function retry() {
-  state.detailProblem = null;
+  state.asked = {};
   poll();
 }
 
@@ -183,10 +187,18 @@ function renderDetail() {
   }
 }
 
+function unescaped(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
+}
+
 function follow() {
   const match = location.hash.match(/^#\/actuators\/(.+)$/);
   const before = selected();
-  state.chosen = match ? decodeURIComponent(match[1]) : null;
+  state.chosen = match ? unescaped(match[1]) : null;
   if (DESK.matches && state.chosen) state.preview = state.chosen;
   if (selected() !== before) {
     Object.assign(state, { detailProblem: null, historyShown: 0 });

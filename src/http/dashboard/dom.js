@@ -9,7 +9,7 @@ function furnish(element, attributes, children) {
     if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
     else element.setAttribute(name, value === true ? "" : String(value));
   }
-  element.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
+  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
   return element;
 }
 
@@ -33,7 +33,7 @@ export function refill(element, data, draw) {
   const signature = JSON.stringify(data);
   if (signatures.get(element) === signature) return;
   signatures.set(element, signature);
-  keepingFocus(element, () => element.replaceChildren(...[draw()].flat()));
+  keepingFocus(element, () => element.replaceChildren(...[draw()].flat(Infinity)));
 }
 
 /**

@@ -7,7 +7,8 @@ import { amount, counted, faultLimit, faultValue, interval90, quantile, when } f
 const PAGE = 10;
 
 /**
- * The figure of one fault. `model` is `{fault, unit, limit, now, points, band, forecast, reasons, events}`;
+ * The figure of one fault. `model` is `{fault, unit, limit, now, reach, points, band, forecast, reasons, events}`;
+ * `reach` is how far ahead of now the usage axis looks;
  * a point is `{usage, value, std, recorded_at, earlier}`.
  */
 export function figureOf(model) {
@@ -17,7 +18,7 @@ export function figureOf(model) {
   const figure = h("figure", { class: "figure-fault" },
     h("figcaption", {}, h("h3", {}, `${model.fault.symbol}, ${model.fault.name}`), h("p", { class: "crossing" }, answer(model))),
     readout, holder);
-  const initial = stops.findLastIndex((stop) => !stop.ahead);
+  const initial = Math.max(stops.findLastIndex((stop) => !stop.ahead && stop.value !== null), 0);
   let index = initial;
   let view = null;
 

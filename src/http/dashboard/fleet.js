@@ -1,7 +1,7 @@
 /** The fleet ranked by risk: columns, rows, filters and the empty state. */
 
 import { byId, h, reconcile, refill } from "./dom.js";
-import { FAULTS, amount, counted, faultLimit, faultValue, interval90, percent, quantile, unitName } from "./format.js";
+import { FAULTS, amount, counted, faultLimit, faultValue, interval90, percent, quantile, unitName, unitSymbol } from "./format.js";
 import { gauge, lifeAxis, lifeRange, lifeScale } from "./gauges.js";
 import { STATUSES, sharedWindow, statusOf } from "./status.js";
 
@@ -21,13 +21,16 @@ export function drawFleet(view, act) {
   const { rows, filter } = view;
   byId("tools").hidden = rows.length === 0;
   byId("columns").hidden = rows.length === 0;
+  byId("legend").hidden = rows.length === 0;
+  refill(byId("legend"), "words", legend);
   drawTally(rows, filter, act);
   drawTails(rows, filter);
   byId("text-field").hidden = rows.length <= SEARCH_ABOVE;
 
   const scale = lifeScale(rows);
-  const unit = sharedUnit(rows);
-  refill(byId("columns"), [scale, unit, sharedWindow(rows)], () => columns(scale, unit, sharedWindow(rows)));
+  const heads = { scale, unit: shared(rows, (row) => unitSymbol(row.usage_unit)), window: sharedWindow(rows), limits: sharedLimits(rows) };
+  refill(byId("columns"), heads, () => columns(heads));
+  byId("rows").classList.toggle("own-limits", heads.limits.includes(null));
 
   const matching = rows.filter((row) => matches(row, filter));
   const visible = matching.slice(0, view.shown);
@@ -46,20 +49,26 @@ function matches(row, { tail, text, statuses }) {
     && text.toLowerCase().split(/\s+/).every((word) => words.includes(word));
 }
 
-function sharedUnit(rows) {
-  const units = new Set(rows.map((row) => row.usage_unit));
-  return units.size === 1 ? unitName([...units][0]) : null;
+/** What every row has in common, or null. */
+function shared(rows, read) {
+  const values = new Set(rows.map(read));
+  return values.size === 1 ? [...values][0] : null;
 }
 
-function columns(scale, unit, window) {
+function sharedLimits(rows) {
+  return Object.values(FAULTS).map((fault) => shared(rows, (row) => faultLimit(fault, row.thresholds[fault.value], false)));
+}
+
+function columns({ scale, unit, window, limits }) {
+  const limit = (index) => (limits[index] === null ? "against threshold" : `threshold ${limits[index]}`);
   const head = (text, detail) => h("span", {}, text, detail && h("small", {}, detail));
   return [
     head("#"),
-    head("Actuator", "aircraft, location"),
-    head("KGM", "against threshold"),
-    head("FDJ [N]", "against threshold"),
-    h("span", { class: "head-life" }, h("span", {}, "Remaining life ", h("small", {}, unit ?? "own unit")), lifeAxis(scale)),
-    head("Risk", window ? `in ${window}` : "in its window"),
+    head("Actuator", "aircraft, place"),
+    head(FAULTS.kgm.axis, limit(0)),
+    head(FAULTS.fdj_n.axis, limit(1)),
+    h("span", { class: "head-life" }, `Remaining life${unit ? ` [${unit}]` : ""}`, lifeAxis(scale)),
+    head("Risk", window ? `next ${amount(scale.within)}` : "in window"),
     head("Status"),
   ];
 }
@@ -69,7 +78,7 @@ function rowOf(row, scale) {
   return h("li", {},
     h("a", { class: "row", href: linkTo(row.actuator_id), "data-status": status, "data-focus": row.actuator_id, "aria-label": spoken(row, status) },
       h("span", { class: "rank" }, String(row.risk_rank)),
-      h("span", { class: "who" }, h("b", {}, row.serial_number), h("small", {}, h("span", {}, row.tail_number), ` ${row.location}`)),
+      h("span", { class: "who" }, h("b", {}, row.serial_number), h("span", {}, row.tail_number), h("small", {}, row.location)),
       Object.values(FAULTS).map((fault) => measure(row, fault)),
       lifeCell(row, scale),
       h("span", { class: "risk" }, row.risk ? percent(row.risk.probability) : "–", row.risk && h("small", {}, ` in ${amount(row.risk.within)} ${unitName(row.usage_unit)}`)),
@@ -89,10 +98,10 @@ function measure({ newest, thresholds }, fault) {
 
 function lifeCell(row, scale) {
   const life = row.remaining_life;
-  const text = !life ? h("span", { class: "none" }, row.reasons[0] ?? "no forecast")
-    : life.reached ? h("b", { class: "reached" }, "Past its threshold")
+  if (!life) return h("span", { class: "life-cell none" }, row.reasons.join("; ") || "no forecast");
+  const text = life.reached ? h("b", { class: "reached" }, "Past its threshold")
     : [h("b", {}, quantile(life.quantiles["0.5"], life.horizon)), h("span", { class: "unit" }, ` ${unitName(row.usage_unit)}`), h("span", { class: "pm" }, interval90(life))];
-  return h("span", { class: "life-cell" }, h("span", { class: "figure" }, text), lifeRange(life?.reached ? null : life, scale));
+  return h("span", { class: "life-cell" }, h("span", { class: "figure" }, text), lifeRange(life.reached ? null : life, scale), lifeAxis(scale));
 }
 
 /** The row as one sentence, for those who hear it. */
@@ -133,20 +142,24 @@ function fleetEnd(rows, matching, visible, view, act) {
   const left = matching.length - visible.length;
   return [
     matching.length === 0 && h("p", { class: "hint" }, "No actuator matches. ", h("button", { type: "button", class: "quiet", onclick: act.clearFilter }, "Show all")),
-    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more", onclick: () => act.showMore(ROWS_AT_ONCE) }, `Show ${Math.min(left, ROWS_AT_ONCE)} more of ${left}`),
+    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more", onclick: () => act.showMore(ROWS_AT_ONCE) }, left > ROWS_AT_ONCE ? `Show ${ROWS_AT_ONCE} more of ${left}` : `Show the other ${left}`),
     view.truncated && h("p", { class: "hint" }, `Only the first ${counted(rows.length, "actuator")} by risk are shown.`),
-    h("details", { class: "legend" },
-      h("summary", {}, "What the words mean"),
-      h("dl", {}, Object.values(STATUSES).map(({ word, rule }) => h("div", {}, h("dt", {}, word), h("dd", {}, rule)))),
-      h("p", {}, "The window is the usage that a risk looks ahead. Remaining life is drawn on a logarithmic scale: 90 % interval thin, 50 % thick, median a dot, the window dashed.")),
   ].filter(Boolean);
+}
+
+function legend() {
+  return [
+    h("summary", {}, "What the words mean"),
+    h("dl", {}, Object.values(STATUSES).map(({ word, rule }) => h("div", {}, h("dt", {}, word), h("dd", {}, rule)))),
+    h("p", {}, "The window is the usage that a risk looks ahead. A bar shows a value with one standard deviation to each side, and its threshold as a mark. Remaining life is on a logarithmic scale: 90 % interval thin, 50 % thick, median a dot, the window dashed."),
+  ];
 }
 
 function emptyFleet() {
   return h("div", { class: "empty" },
-    h("h2", {}, "No actuator is registered yet"),
-    h("p", {}, "Register one, then upload a trace of each flight; its health and remaining life appear here by themselves."),
-    command(`curl -X POST ${location.origin}/v1/actuators \\\n  -H 'Content-Type: application/json' \\\n  -d '{"serial_number": "EHSA-0001", "tail_number": "I-ELVN", "location": "left inboard elevon"}'`));
+    h("h2", {}, "Register the first one"),
+    h("p", {}, "Then upload a trace of each flight: its health and remaining life appear here by themselves."),
+    command(`curl -X POST ${location.origin}/v1/actuators \\\n  -H 'Content-Type: application/json' \\\n  -d '{"serial_number": "EHSA-0001", "tail_number": "I-ELVN",\n       "location": "left inboard elevon"}'`));
 }
 
 /** A shell command with a button that copies it. */

@@ -56,6 +56,11 @@ export function unitName(unit) {
   return unit.replaceAll("_", " ");
 }
 
+/** The usual abbreviation of a unit of usage, for the head of a column. */
+export function unitSymbol(unit) {
+  return { flight_hours: "FH", flight_cycles: "FC" }[unit] ?? unitName(unit);
+}
+
 /** A count with its noun: `1 actuator`, `8 actuators`. */
 export function counted(count, one, many = `${one}s`) {
   return `${fixed(count, 0)} ${count === 1 ? one : many}`;

@@ -40,6 +40,7 @@ export function summary(rows) {
   const unknown = rows.filter((row) => statusOf(row) === "unknown").length;
   const aircraft = new Set(rows.map((row) => row.tail_number)).size;
   const window = sharedWindow(rows) ?? "their risk window";
+  if (rows.length === 0) return [{ text: "No actuator is registered yet" }];
   return [
     { text: `${counted(rows.length, "actuator")} on ${counted(aircraft, "aircraft", "aircraft")}; ` },
     { text: `${past || "none"} past ${past > 1 ? "their" : "its"} threshold`, tone: past ? "act" : null },
