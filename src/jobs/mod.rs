@@ -1,1 +1,221 @@
-//! Skeleton.
+//! Jobs: long work that is queued durably, run by workers, watched, cancelled, and run again after a crash.
+//!
+//! A job's row in the store is the truth. The dispatch only wakes a worker, which then claims the row; whatever it finds
+//! counts only if its attempt still runs.
+
+pub mod dispatch;
+pub mod kind;
+pub mod run;
+mod watching;
+mod worker;
+
+use std::future::Future;
+use std::panic::resume_unwind;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+
+use crate::store::records::{self, Actuator, ForecastRecord, Id, Job, JobState, NewJob, TraceRecord};
+use crate::store::{Records, StoreError, Traces};
+use dispatch::Dispatch;
+use kind::JobSpec;
+use run::{Compute, Models, predict};
+
+pub use worker::Step;
+
+/// Limits of the jobs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JobSettings {
+    /// Jobs that run at once; none with 0.
+    pub workers: usize,
+    /// Jobs that may wait.
+    pub queue_limit: u64,
+    /// Attempts that a job has when the service ends while it runs.
+    pub attempts_max: u32,
+    /// The longest that an attempt may take.
+    pub time_limit: Duration,
+    /// The usage ahead, in the actuator's unit, over which the fleet's risk is counted.
+    pub risk_window: f64,
+}
+
+impl Default for JobSettings {
+    fn default() -> Self {
+        Self {
+            workers: 1,
+            queue_limit: 10_000,
+            attempts_max: 3,
+            time_limit: Duration::from_secs(300),
+            risk_window: 100.0,
+        }
+    }
+}
+
+/// The jobs of a service, and the forecasts that follow from them. Clones share everything.
+#[derive(Clone)]
+pub struct Jobs {
+    records: Arc<dyn Records>,
+    traces: Arc<dyn Traces>,
+    dispatch: Arc<dyn Dispatch>,
+    compute: Arc<dyn Compute>,
+    settings: JobSettings,
+    stop: CancellationToken,
+    tasks: TaskTracker,
+}
+
+impl Jobs {
+    /// The jobs kept in `records`, computed by elevon's own models. Nothing runs before [`Jobs::start`].
+    #[must_use]
+    pub fn new(
+        records: Arc<dyn Records>,
+        traces: Arc<dyn Traces>,
+        dispatch: Arc<dyn Dispatch>,
+        settings: JobSettings,
+    ) -> Self {
+        Self::with_compute(records, traces, dispatch, settings, Arc::new(Models))
+    }
+
+    /// The same with other computations.
+    #[must_use]
+    pub fn with_compute(
+        records: Arc<dyn Records>,
+        traces: Arc<dyn Traces>,
+        dispatch: Arc<dyn Dispatch>,
+        settings: JobSettings,
+        compute: Arc<dyn Compute>,
+    ) -> Self {
+        let (stop, tasks) = (CancellationToken::new(), TaskTracker::new());
+        Self { records, traces, dispatch, compute, settings, stop, tasks }
+    }
+
+    /// Takes up what an earlier process left, and starts the workers.
+    ///
+    /// # Errors
+    /// The store fails.
+    pub async fn start(&self) -> Result<(), StoreError> {
+        for id in self.records.recover_jobs(self.settings.attempts_max, records::now()).await? {
+            self.dispatch.publish(id).await;
+        }
+        for _ in 0..self.settings.workers {
+            self.tasks.spawn(self.clone().work());
+        }
+        Ok(())
+    }
+
+    /// Ends the workers. What runs is asked to end early and goes back to the queue, its attempt not counted.
+    pub async fn stop(&self) {
+        self.stop.cancel();
+        self.dispatch.close();
+        self.tasks.close();
+        self.tasks.wait().await;
+    }
+
+    /// Keeps a trace and queues its estimation. Both are durable when this returns, and neither is there when it
+    /// fails. It goes on to its end when the caller stops waiting.
+    ///
+    /// # Errors
+    /// A full queue; the store fails.
+    pub async fn upload(&self, trace: TraceRecord, bytes: Vec<u8>, spec: JobSpec) -> Result<Job, StoreError> {
+        let jobs = self.clone();
+        self.to_the_end(async move {
+            jobs.traces.put(trace.id, bytes).await?;
+            let job = new_job(&spec);
+            if let Err(error) = jobs.records.insert_upload(&trace, &job, jobs.settings.queue_limit).await {
+                // A commit that failed may have happened all the same: only bytes without a record are deleted.
+                if jobs.records.trace(trace.id).await?.is_none() {
+                    jobs.traces.delete(trace.id).await?;
+                }
+                return Err(error);
+            }
+            jobs.dispatch.publish(job.id).await;
+            Ok(queued(job))
+        })
+        .await
+    }
+
+    /// Queues a job. It goes on to its end when the caller stops waiting.
+    ///
+    /// # Errors
+    /// A full queue; the store fails.
+    pub async fn enqueue(&self, spec: JobSpec) -> Result<Job, StoreError> {
+        let jobs = self.clone();
+        self.to_the_end(async move {
+            let job = new_job(&spec);
+            jobs.records.insert_job(&job, jobs.settings.queue_limit).await?;
+            jobs.dispatch.publish(job.id).await;
+            Ok(queued(job))
+        })
+        .await
+    }
+
+    /// Cancels a job that is queued or running, and returns it as it is now. A running attempt ends soon after.
+    ///
+    /// # Errors
+    /// The store fails.
+    pub async fn cancel(&self, id: Id) -> Result<Option<Job>, StoreError> {
+        let now = records::now();
+        let job = self.records.cancel_job(id, now).await?;
+        if let Some(job) = &job
+            && job.state == JobState::Cancelled
+            && job.finished_at == Some(now)
+        {
+            worker::count_finished(job.kind, JobState::Cancelled);
+        }
+        Ok(job)
+    }
+
+    /// The forecast of an actuator at its revision or a later one: the stored one, or one made now and stored.
+    ///
+    /// # Errors
+    /// The store fails.
+    pub async fn forecast(&self, actuator: &Actuator) -> Result<ForecastRecord, StoreError> {
+        predict::forecast(self.records.as_ref(), actuator, self.settings.risk_window).await
+    }
+
+    /// Brings every forecast up to date, for a list of the whole fleet.
+    ///
+    /// # Errors
+    /// The store fails.
+    pub async fn refresh_stale(&self) -> Result<(), StoreError> {
+        const AT_ONCE: u32 = 100;
+        loop {
+            let stale = self.records.stale_forecasts(AT_ONCE).await?;
+            for id in &stale {
+                if let Some(actuator) = self.records.actuator(*id).await? {
+                    self.forecast(&actuator).await?;
+                }
+            }
+            if stale.len() < AT_ONCE as usize {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Runs a future to its end even if the caller is dropped halfway, as a request is when its client goes away.
+    async fn to_the_end<T: Send + 'static>(&self, future: impl Future<Output = T> + Send + 'static) -> T {
+        self.tasks.spawn(future).await.unwrap_or_else(|ended| resume_unwind(ended.into_panic()))
+    }
+}
+
+fn new_job(spec: &JobSpec) -> NewJob {
+    let spec_json = serde_json::to_value(spec).expect("a spec's fields have names");
+    NewJob { id: Id::now(), kind: spec.kind(), spec: spec_json, created_at: records::now() }
+}
+
+/// The job as the store has it right after it was queued.
+fn queued(NewJob { id, kind, spec, created_at }: NewJob) -> Job {
+    Job {
+        id,
+        kind,
+        state: JobState::Queued,
+        progress: 0.0,
+        attempt: 0,
+        created_at,
+        started_at: None,
+        finished_at: None,
+        result: None,
+        error: None,
+        spec,
+    }
+}

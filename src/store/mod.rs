@@ -1,5 +1,6 @@
 //! What is kept: records and traces, each behind one small trait, so that the engine is chosen once, at the start.
 
+mod cursor;
 pub mod local;
 pub mod records;
 pub mod sqlite;
@@ -29,6 +30,12 @@ pub enum StoreError {
         /// The most that may wait.
         limit: u64,
     },
+    /// A cursor that this list did not make.
+    #[error("cursor: found {found:?}, expected the next_cursor of a page of this list")]
+    Cursor {
+        /// What was given.
+        found: String,
+    },
     /// A stored value cannot be read back: the database was changed by something else, or is damaged.
     #[error("the stored {what} {id} cannot be read: {reason}")]
     Corrupt {
@@ -53,6 +60,19 @@ pub enum StoreError {
         /// Why it failed.
         source: std::io::Error,
     },
+}
+
+impl StoreError {
+    /// Whether the same request may succeed later: the database failed, rather than refused.
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        match self {
+            Self::Database(error) => {
+                error.as_database_error().is_none_or(|refusal| matches!(refusal.kind(), sqlx::error::ErrorKind::Other))
+            }
+            _ => false,
+        }
+    }
 }
 
 /// One page of a list: at most `limit` records after the one that `after` names.
@@ -126,15 +146,19 @@ pub trait Records: Send + Sync {
     async fn job_counts(&self) -> Result<Vec<(JobState, u64)>, StoreError>;
     /// Takes a queued job: it becomes running, its attempt grows by one. `None` when it is not queued any more.
     async fn claim_job(&self, id: Id, now: Timestamp) -> Result<Option<Job>, StoreError>;
-    /// Notes how far a running attempt has come (0 to 1). Of no effect once the attempt is over.
-    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<(), StoreError>;
+    /// Notes how far a running attempt has come (0 to 1). `false`, and nothing noted, when that attempt does not run
+    /// any more: that is how it learns of its cancellation.
+    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<bool, StoreError>;
     /// Ends a running attempt and keeps what it found (an estimate grows the actuator's history and revision; a
     /// simulation adds its trace) in one transaction. `false`, and nothing kept, when that attempt does not run any more.
     async fn finish_job(&self, id: Id, attempt: u32, outcome: &Outcome, now: Timestamp) -> Result<bool, StoreError>;
+    /// Puts a running attempt back to the queue as if it had never started, for a service that ends before its work
+    /// does. `false` when that attempt does not run any more.
+    async fn release_job(&self, id: Id, attempt: u32) -> Result<bool, StoreError>;
     /// Cancels a job that is queued or running and returns it as it is now; a finished one is returned unchanged.
     async fn cancel_job(&self, id: Id, now: Timestamp) -> Result<Option<Job>, StoreError>;
-    /// After a start: queues again what was running when the process ended, fails what has used `attempts_max`
-    /// attempts, and returns the ids of all queued jobs, oldest first.
+    /// After a start: queues again what was running when the process ended, fails what was running in its attempt number
+    /// `attempts_max` or later, and returns the ids of all queued jobs, oldest first.
     async fn recover_jobs(&self, attempts_max: u32, now: Timestamp) -> Result<Vec<Id>, StoreError>;
 
     /// The history of an actuator, one record per trace (its newest estimate), ascending by time of recording, with

@@ -38,6 +38,18 @@ impl FromStr for Id {
     }
 }
 
+/// The time now, to the microsecond that records keep.
+#[must_use]
+pub fn now() -> Timestamp {
+    to_microsecond(Timestamp::now())
+}
+
+/// A time as records keep it: what is finer than a microsecond is cut off.
+#[must_use]
+pub fn to_microsecond(time: Timestamp) -> Timestamp {
+    Timestamp::from_microsecond(time.as_microsecond()).expect("a time cut short is still a time")
+}
+
 /// How an actuator's usage is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]

@@ -1,0 +1,105 @@
+//! What jobs are asked to do, as it is kept in their `spec`.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::estimation;
+use crate::models::drive::DriveError;
+use crate::models::fault::Faults;
+use crate::models::simulate::{ModelKind, Simulation};
+use crate::store::records::{Id, JobKind};
+
+/// What a job does, with all that it needs to know.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+pub enum JobSpec {
+    /// Estimates the faults behind a trace.
+    Estimation {
+        /// The trace.
+        trace_id: Id,
+        /// How to search.
+        settings: estimation::Settings,
+    },
+    /// Makes a trace with a model.
+    Simulation(SimulationSpec),
+}
+
+impl JobSpec {
+    /// The kind of job.
+    #[must_use]
+    pub const fn kind(&self) -> JobKind {
+        match self {
+            Self::Estimation { .. } => JobKind::Estimation,
+            Self::Simulation(_) => JobKind::Simulation,
+        }
+    }
+}
+
+/// The recipe of a simulation in plain fields.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SimulationSpec {
+    /// The model.
+    pub model: ModelKind,
+    /// The command, as the command line has it: `diagnostic`, `step:0.1`, ...
+    pub command: String,
+    /// The faults; those not named are healthy.
+    #[serde(default)]
+    pub faults: Faults,
+    /// Power of the white noise on the current, mA² s. Reference model only.
+    #[serde(default)]
+    pub noise_power: f64,
+    /// Seed of the noise.
+    #[serde(default = "first_seed")]
+    pub seed: u64,
+    /// Length, s, above 0, at most 600.
+    pub duration_s: f64,
+    /// Samples per second, Hz, 1 to 100 000.
+    pub sample_rate_hz: f64,
+}
+
+const fn first_seed() -> u64 {
+    1
+}
+
+impl SimulationSpec {
+    /// The recipe that the simulation takes. Whether its figures are in their ranges, [`Simulation::check`] says.
+    ///
+    /// # Errors
+    /// A command that cannot be read.
+    pub fn recipe(&self) -> Result<Simulation, DriveError> {
+        Ok(Simulation {
+            model: self.model,
+            command: self.command.parse()?,
+            faults: self.faults,
+            noise_power_ma2_s: self.noise_power,
+            seed: self.seed,
+            duration_s: self.duration_s,
+            sample_rate_hz: self.sample_rate_hz,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spec_is_read_back_as_it_was_written() {
+        let simulation = SimulationSpec {
+            model: ModelKind::Reference,
+            command: "diagnostic".into(),
+            faults: Faults { kgm: 0.1 + 0.2, ..Faults::default() },
+            noise_power: 5e-6,
+            seed: u64::MAX,
+            duration_s: 2.0,
+            sample_rate_hz: 1e4,
+        };
+        let estimation = JobSpec::Estimation { trace_id: Id::now(), settings: estimation::Settings::default() };
+        for spec in [estimation, JobSpec::Simulation(simulation)] {
+            let text = serde_json::to_string(&spec).unwrap();
+            assert_eq!(serde_json::from_str::<JobSpec>(&text).unwrap(), spec, "{text}");
+            assert!(text.contains(&format!(r#""kind":"{}""#, spec.kind().name())), "{text}");
+        }
+    }
+}

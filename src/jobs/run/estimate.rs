@@ -1,0 +1,69 @@
+//! Estimation jobs: from a kept trace to an estimate.
+
+use std::time::Instant;
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::RunError;
+use crate::estimation::{self, Estimate, Settings};
+use crate::formats::{self, Format, ReadOptions};
+use crate::models::parameters::ParameterSet;
+use crate::numeric::watch::Watch;
+use crate::store::records::{Id, Outcome, TraceRecord};
+use crate::store::{Records, Traces};
+
+/// A trace as it is kept, and how to search.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// What is known of the trace.
+    pub trace: TraceRecord,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// How to search.
+    pub settings: Settings,
+}
+
+/// The result of an estimation job.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub struct EstimationResult {
+    /// The trace.
+    pub trace_id: Id,
+    /// What was found.
+    #[serde(flatten)]
+    pub estimate: Estimate,
+    /// Time that reading and searching took, s.
+    pub elapsed_s: f64,
+}
+
+impl EstimationResult {
+    pub(super) fn into_outcome(self) -> Outcome {
+        let result = serde_json::to_value(&self).expect("an estimate's fields have names");
+        Outcome::Estimated { trace_id: self.trace_id, estimate: Box::new(self.estimate), result }
+    }
+}
+
+pub(super) async fn prepare(
+    id: Id,
+    settings: Settings,
+    records: &dyn Records,
+    traces: &dyn Traces,
+) -> Result<Input, RunError> {
+    let trace = records.trace(id).await?.ok_or(RunError::TraceMissing { id })?;
+    let bytes = traces.get(id).await?.ok_or(RunError::TraceMissing { id })?;
+    Ok(Input { trace, bytes, settings })
+}
+
+pub(super) fn compute(input: &Input, watch: &dyn Watch) -> Result<EstimationResult, RunError> {
+    let started = Instant::now();
+    let TraceRecord { id, media_type, columns, sample_rate_hz, .. } = &input.trace;
+    let id = *id;
+    let format =
+        Format::from_media_type(media_type).ok_or_else(|| RunError::MediaType { id, found: media_type.clone() })?;
+    let invalid = |errors| RunError::Trace { id, errors };
+    let columns = ReadOptions::parse_columns(columns).map_err(invalid)?;
+    let options = ReadOptions { columns, sample_rate_hz: *sample_rate_hz };
+    let trace = formats::read(format, &input.bytes, &options).map_err(invalid)?;
+    let estimate = estimation::estimate(&trace, &ParameterSet::reference(), &input.settings, watch)?;
+    Ok(EstimationResult { trace_id: id, estimate, elapsed_s: started.elapsed().as_secs_f64() })
+}

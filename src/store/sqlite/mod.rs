@@ -1,0 +1,178 @@
+//! Records in SQLite: one writer, so that no write ever meets another, and several readers beside it.
+
+mod actuators;
+mod fleet;
+mod health;
+mod jobs;
+#[cfg(test)]
+mod plans;
+mod row;
+mod uploads;
+
+use std::path::Path;
+use std::time::Duration;
+
+use async_trait::async_trait;
+use jiff::Timestamp;
+use sqlx::migrate::Migrator;
+use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
+use sqlx::{Sqlite, Transaction};
+
+use super::records::{
+    Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, TraceRecord,
+};
+use super::{FleetRow, LifeHistory, Page, Paged, Records, StoreError};
+
+/// The database's file in its folder.
+pub const FILE: &str = "elevon.db";
+/// Connections that only read; more did not serve more pages on two cores.
+const READERS: u32 = 4;
+/// How long a connection waits for another process's lock, such as a backup's.
+const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
+
+static MIGRATIONS: Migrator = sqlx::migrate!("migrations/sqlite");
+
+/// Records in one SQLite file.
+#[derive(Debug, Clone)]
+pub struct SqliteRecords {
+    writer: SqlitePool,
+    readers: SqlitePool,
+}
+
+impl SqliteRecords {
+    /// Opens the database in `dir`, creates both where they are missing, and brings the schema up to date.
+    ///
+    /// # Errors
+    /// A folder or file that cannot be created or is no database; a schema newer than this program.
+    pub async fn open(dir: &Path) -> Result<Self, StoreError> {
+        std::fs::create_dir_all(dir).map_err(|source| StoreError::File { path: dir.display().to_string(), source })?;
+        let options = SqliteConnectOptions::new()
+            .filename(dir.join(FILE))
+            .create_if_missing(true)
+            .journal_mode(SqliteJournalMode::Wal)
+            .synchronous(SqliteSynchronous::Full)
+            .foreign_keys(true)
+            .busy_timeout(BUSY_TIMEOUT);
+        let writer = SqlitePoolOptions::new().max_connections(1).connect_with(options.clone()).await?;
+        MIGRATIONS.run(&writer).await?;
+        let readers = SqlitePoolOptions::new().max_connections(READERS).connect_with(options.read_only(true)).await?;
+        Ok(Self { writer, readers })
+    }
+
+    /// Ends every connection, once what runs on them has ended.
+    pub async fn close(&self) {
+        self.readers.close().await;
+        self.writer.close().await;
+    }
+}
+
+/// Begins a transaction that holds the write lock from its start.
+async fn begin(writer: &SqlitePool) -> Result<Transaction<'static, Sqlite>, StoreError> {
+    Ok(writer.begin_with("BEGIN IMMEDIATE").await?)
+}
+
+#[async_trait]
+impl Records for SqliteRecords {
+    async fn ping(&self) -> Result<(), StoreError> {
+        sqlx::query("SELECT 1 FROM actuators LIMIT 1").fetch_optional(&self.readers).await?;
+        Ok(())
+    }
+
+    async fn insert_actuator(&self, actuator: &Actuator) -> Result<(), StoreError> {
+        actuators::insert(&self.writer, actuator).await
+    }
+
+    async fn actuator(&self, id: Id) -> Result<Option<Actuator>, StoreError> {
+        actuators::one(&self.readers, id).await
+    }
+
+    async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError> {
+        actuators::list(&self.readers, page).await
+    }
+
+    async fn insert_upload(&self, trace: &TraceRecord, job: &NewJob, queue_limit: u64) -> Result<(), StoreError> {
+        uploads::insert(&self.writer, trace, job, queue_limit).await
+    }
+
+    async fn trace(&self, id: Id) -> Result<Option<TraceRecord>, StoreError> {
+        uploads::trace(&self.readers, id).await
+    }
+
+    async fn insert_job(&self, job: &NewJob, queue_limit: u64) -> Result<(), StoreError> {
+        jobs::insert(&self.writer, job, queue_limit).await
+    }
+
+    async fn job(&self, id: Id) -> Result<Option<Job>, StoreError> {
+        jobs::one(&self.readers, id).await
+    }
+
+    async fn jobs(&self, state: Option<JobState>, page: &Page) -> Result<Paged<Job>, StoreError> {
+        jobs::list(&self.readers, state, page).await
+    }
+
+    async fn job_counts(&self) -> Result<Vec<(JobState, u64)>, StoreError> {
+        jobs::counts(&self.readers).await
+    }
+
+    async fn claim_job(&self, id: Id, now: Timestamp) -> Result<Option<Job>, StoreError> {
+        jobs::claim(&self.writer, id, now).await
+    }
+
+    async fn report_progress(&self, id: Id, attempt: u32, progress: f64) -> Result<bool, StoreError> {
+        jobs::report_progress(&self.writer, id, attempt, progress).await
+    }
+
+    async fn finish_job(&self, id: Id, attempt: u32, outcome: &Outcome, now: Timestamp) -> Result<bool, StoreError> {
+        jobs::finish(&self.writer, id, attempt, outcome, now).await
+    }
+
+    async fn release_job(&self, id: Id, attempt: u32) -> Result<bool, StoreError> {
+        jobs::release(&self.writer, id, attempt).await
+    }
+
+    async fn cancel_job(&self, id: Id, now: Timestamp) -> Result<Option<Job>, StoreError> {
+        jobs::cancel(&self.writer, id, now).await
+    }
+
+    async fn recover_jobs(&self, attempts_max: u32, now: Timestamp) -> Result<Vec<Id>, StoreError> {
+        jobs::recover(&self.writer, attempts_max, now).await
+    }
+
+    async fn health(
+        &self,
+        actuator: Id,
+        from: Option<Timestamp>,
+        to: Option<Timestamp>,
+        page: &Page,
+    ) -> Result<Paged<HealthRecord>, StoreError> {
+        health::list(&self.readers, actuator, from, to, page).await
+    }
+
+    async fn life_history(&self, actuator: Id) -> Result<Option<LifeHistory>, StoreError> {
+        health::life(&self.readers, actuator).await
+    }
+
+    async fn insert_maintenance(&self, event: &Maintenance) -> Result<(), StoreError> {
+        health::insert_maintenance(&self.writer, event).await
+    }
+
+    async fn maintenance(&self, actuator: Id, page: &Page) -> Result<Paged<Maintenance>, StoreError> {
+        health::maintenance(&self.readers, actuator, page).await
+    }
+
+    async fn forecast(&self, actuator: Id) -> Result<Option<ForecastRecord>, StoreError> {
+        fleet::forecast(&self.readers, actuator).await
+    }
+
+    async fn store_forecast(&self, forecast: &ForecastRecord) -> Result<bool, StoreError> {
+        fleet::store_forecast(&self.writer, forecast).await
+    }
+
+    async fn stale_forecasts(&self, limit: u32) -> Result<Vec<Id>, StoreError> {
+        fleet::stale(&self.readers, limit).await
+    }
+
+    async fn fleet(&self, tail_number: Option<&str>, page: &Page) -> Result<Paged<FleetRow>, StoreError> {
+        fleet::list(&self.readers, tail_number, page).await
+    }
+}

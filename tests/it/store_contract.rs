@@ -1,0 +1,88 @@
+//! What every store must do, whatever its engine: one body for each promise, run on each engine.
+
+mod fleet;
+mod history;
+mod queue;
+pub mod samples;
+mod traces;
+
+use std::sync::Arc;
+
+use elevon::store::local::LocalTraces;
+use elevon::store::sqlite::SqliteRecords;
+use elevon::store::{Records, Traces};
+use tempfile::TempDir;
+
+/// Runs contracts on one engine; `open` gives what must live as long as the store, and the store.
+macro_rules! engine {
+    ($engine:ident, $open:path, [$($module:ident::{$($contract:ident),+ $(,)?}),+ $(,)?]) => {
+        mod $engine {
+            $($(
+                #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+                async fn $contract() {
+                    let (_keep, store) = $open().await;
+                    super::$module::$contract(store).await;
+                }
+            )+)+
+        }
+    };
+}
+
+/// Every contract of the records, on one engine.
+macro_rules! records_engine {
+    ($engine:ident, $open:path) => {
+        engine!($engine, $open, [
+            queue::{
+                contract_an_upload_is_kept_with_its_job_or_not_at_all,
+                contract_a_full_queue_takes_a_job_again_once_one_left_it,
+                contract_a_job_is_claimed_once_whoever_asks_at_the_same_time,
+                contract_only_the_running_attempt_reports_and_finishes,
+                contract_a_cancelled_job_is_not_claimed_and_not_finished,
+                contract_a_released_attempt_does_not_count,
+                contract_recovery_queues_what_ran_and_fails_what_used_its_attempts,
+                contract_jobs_are_listed_newest_first_and_counted_by_state,
+            },
+            history::{
+                contract_a_late_upload_is_sorted_in_and_pages_follow_on,
+                contract_from_is_inclusive_and_to_is_not,
+                contract_a_trace_has_one_row_its_newest_estimate,
+                contract_an_inconclusive_estimate_is_listed_without_figures,
+                contract_an_estimate_of_no_actuator_enters_no_history,
+                contract_a_simulation_adds_its_trace_when_it_finishes,
+                contract_maintenance_starts_a_life_unless_it_is_an_inspection,
+                contract_maintenance_is_listed_by_its_time,
+            },
+            fleet::{
+                contract_a_serial_number_is_taken_once,
+                contract_actuators_are_listed_in_the_order_of_registration,
+                contract_a_malformed_cursor_is_refused_by_every_list,
+                contract_a_forecast_of_an_older_revision_is_refused,
+                contract_what_changes_a_history_makes_its_forecast_stale,
+                contract_the_fleet_is_listed_riskiest_first_page_by_page,
+                contract_the_fleet_shows_the_newest_health_of_this_life,
+            },
+        ]);
+    };
+}
+
+/// Every contract of the traces, on one engine.
+macro_rules! traces_engine {
+    ($engine:ident, $open:path) => {
+        engine!($engine, $open, [traces::{contract_bytes_come_back_as_they_were_put, contract_deleted_bytes_are_gone}]);
+    };
+}
+
+records_engine!(sqlite, super::open_sqlite);
+traces_engine!(local, super::open_local);
+
+async fn open_sqlite() -> (TempDir, Arc<dyn Records>) {
+    let dir = tempfile::tempdir().unwrap();
+    let records = SqliteRecords::open(dir.path()).await.unwrap();
+    (dir, Arc::new(records))
+}
+
+async fn open_local() -> (TempDir, Arc<dyn Traces>) {
+    let dir = tempfile::tempdir().unwrap();
+    let traces = LocalTraces::open(dir.path()).unwrap();
+    (dir, Arc::new(traces))
+}

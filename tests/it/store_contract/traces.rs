@@ -1,0 +1,27 @@
+use std::sync::Arc;
+
+use elevon::store::Traces;
+use elevon::store::records::Id;
+
+pub async fn contract_bytes_come_back_as_they_were_put(traces: Arc<dyn Traces>) {
+    let kept = [(Id::now(), vec![]), (Id::now(), (0..=255).cycle().take(1_000_000).collect::<Vec<u8>>())];
+    for (id, bytes) in kept.clone() {
+        traces.put(id, bytes).await.unwrap();
+    }
+    for (id, bytes) in kept {
+        assert!(traces.get(id).await.unwrap() == Some(bytes));
+    }
+    assert_eq!(traces.get(Id::now()).await.unwrap(), None);
+}
+
+pub async fn contract_deleted_bytes_are_gone(traces: Arc<dyn Traces>) {
+    let (gone, kept) = (Id::now(), Id::now());
+    for id in [gone, kept] {
+        traces.put(id, vec![1, 2, 3]).await.unwrap();
+    }
+    for _ in 0..2 {
+        traces.delete(gone).await.unwrap();
+        assert_eq!(traces.get(gone).await.unwrap(), None);
+    }
+    assert_eq!(traces.get(kept).await.unwrap(), Some(vec![1, 2, 3]));
+}
