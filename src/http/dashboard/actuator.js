@@ -3,7 +3,7 @@
 import { badge, command } from "./fleet.js";
 import { h, reconcile } from "./dom.js";
 import { figureOf } from "./figure.js";
-import { FAULTS, amount, faultLimit, faultValue, interval90, percent, quantile, unitName, when } from "./format.js";
+import { FAULTS, amount, faultLimit, faultValue, fixed, interval90, percent, quantile, unitName, when } from "./format.js";
 import { statusOf } from "./status.js";
 import { lifeStrip } from "./strip.js";
 
@@ -19,7 +19,7 @@ export function drawActuator(container, detail, open, showMore) {
   reconcile(container, [
     { key: "head", data: [record, life, history.at(-1)], draw: () => head(record, life, history) },
     ...(history.length === 0 ? [{ key: "none", data: record.id, draw: () => noRecords(record) }] : []),
-    ...(history.length === 0 ? [] : Object.values(FAULTS)).map((fault) => {
+    ...(history.length === 0 ? [] : byUrgency(life)).map((fault) => {
       const model = modelOf(fault, detail, lifeStart);
       return { key: fault.value, data: model, draw: () => figureOf(model) };
     }),
@@ -49,15 +49,14 @@ function modelOf(fault, { record, history, life, maintenance }, lifeStart) {
   };
 }
 
-/** The fault whose threshold is likely to be passed first. */
-function limiting(life) {
-  const rank = ({ forecast, risk }) => [forecast.reached ? 0 : 1, -(risk?.probability ?? 0), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity];
-  const known = Object.values(FAULTS).filter((fault) => life.faults[fault.value].forecast);
-  return known.toSorted((a, b) => {
+/** The faults in the order in which their thresholds are likely to be passed: the limiting one first. */
+function byUrgency(life) {
+  const rank = ({ forecast, risk }) => !forecast ? [2] : [forecast.reached ? 0 : 1, -(risk?.probability ?? 0), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity];
+  return Object.values(FAULTS).toSorted((a, b) => {
     const [left, right] = [a, b].map((fault) => rank(life.faults[fault.value]));
     const differing = left.findIndex((value, index) => value !== right[index]);
     return differing < 0 ? 0 : left[differing] - right[differing];
-  })[0];
+  });
 }
 
 function head(record, life, history) {
@@ -72,14 +71,14 @@ function head(record, life, history) {
 function headline(life, history, unit) {
   const { forecast, risk } = life;
   if (!forecast) return [h("h2", {}, "No forecast yet"), h("p", { class: "because" }, life.reasons.join("; ") || "There are too few conclusive records.")];
-  const fault = limiting(life);
-  const limit = fault && `Limiting fault: ${fault.name} (${fault.symbol}).`;
+  const [fault] = byUrgency(life);
+  const limit = life.faults[fault.value].forecast && `Limiting fault: ${fault.name} (${fault.symbol}).`;
   const chance = risk && `${percent(risk.probability)} likely to pass within ${amount(risk.within)} ${unit}.`;
   const asOf = `As of ${amount(life.usage)} ${unit}${life.as_of ? `, ${when(life.as_of)}` : ""}.`;
   if (forecast.reached) {
     const passed = Object.values(FAULTS).filter(({ value }) => life.faults[value].forecast?.reached);
     return [
-      h("h2", { class: "past" }, `Past its threshold: ${passed.map(({ name }) => name).join(" and ")}`),
+      h("h2", { class: "past" }, ["Past its threshold", passed.map(({ name }) => name).join(" and ")].filter(Boolean).join(": ")),
       h("p", { class: "because" }, [...passed.map((each) => measured(each, history, life.faults[each.value].threshold)), asOf].join(" ")),
     ];
   }
@@ -118,7 +117,7 @@ function historyTable({ record, history, truncated }, shown, lifeStart, showMore
         Object.values(FAULTS).map((fault) => cell(item, fault)),
         h("td", { class: item.verdict }, item.usage < lifeStart ? `${item.verdict}, earlier life` : item.verdict)))))),
     left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, left > HISTORY_MORE ? `Show ${HISTORY_MORE} more of ${left}` : `Show the other ${left}`),
-    truncated && h("p", { class: "hint" }, "Older records are not all shown; the raw JSON has them."));
+    truncated && h("p", { class: "hint" }, `Only the first ${fixed(history.length, 0)} records were read; the raw JSON has the rest.`));
 }
 
 function maintenanceList(record, maintenance) {
@@ -140,6 +139,7 @@ function facts(record, life) {
       Object.values(FAULTS).map((fault) => pair(`${fault.symbol} threshold`, faultLimit(fault, record.thresholds[fault.value]))),
       pair("Parameter set", record.parameter_set), pair("Registered", when(record.created_at)),
       models.length > 0 && pair("Forecast models", models.join(", ")),
+      life.forecast && pair("Beyond the horizon", `${percent(life.forecast.probability_beyond_horizon)} after ${amount(life.forecast.horizon)} ${unitName(record.usage_unit)}`),
       pair("Identifier", h("code", {}, record.id))),
     h("p", { class: "raw" }, "Raw JSON ", Object.entries(raw).map(([name, href]) => h("a", { href }, name))));
 }

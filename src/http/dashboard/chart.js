@@ -30,7 +30,7 @@ export function ticks(low, high, count) {
 /** The scales of a chart `width` wide: data ranges, plot rectangle, and the maps `x` and `y` to pixels. */
 export function frame(model, width) {
   const { points, band, forecast, limit, events } = model;
-  const plot = { left: 58, right: width - 14, top: 32, bottom: HEIGHT - (forecast ? 70 : 38) };
+  const plot = { left: 58, right: width - 14, top: 32, bottom: HEIGHT - (forecast && !forecast.reached ? 70 : 38) };
   const usages = [...points.map((point) => point.usage), ...events.map((event) => event.usage), model.now];
   const first = Math.min(...usages);
   const newest = Math.max(...usages);
@@ -58,7 +58,7 @@ export function drawChart(model, view, id, label) {
     s("g", { "clip-path": `url(#${id})` }, forecast(model, view), observations(model, view)),
     threshold(model, view),
     verticals(model, view),
-    model.forecast && crossings(model, view),
+    model.forecast && !model.forecast.reached && crossings(model, view),
     s("g", { class: "cross" }));
 }
 
@@ -94,7 +94,7 @@ function observations({ points }, { plot, x, y }) {
     if (point.value === null) return s("path", { class: `missing ${tone}`, d: `M${at - 3} ${plot.bottom - 9}l6 6m0-6l-6 6` });
     return s("g", { class: tone },
       point.std && s("line", { x1: at, x2: at, y1: y(point.value - point.std), y2: y(point.value + point.std) }),
-      s("circle", { cx: at, cy: y(point.value), r: 3 }));
+      s("circle", { cx: at, cy: y(point.value), r: 2.5 }));
   }));
 }
 
@@ -123,9 +123,8 @@ function verticals({ events, now }, { plot, range, x }) {
 }
 
 /** The usage at which the threshold is passed: P5 to P95 as a bar under the axis, each quantile written below. */
-function crossings({ forecast: { at, quantiles, horizon, reached }, limit }, { plot, range, x, y }) {
+function crossings({ forecast: { at, quantiles, horizon }, limit }, { plot, range, x, y }) {
   const lane = plot.bottom + 29;
-  if (reached) return s("g", { class: "crossings" }, s("text", { x: plot.right, y: lane + 10, "text-anchor": "end" }, "threshold passed"));
   const marks = CROSSINGS.map(([level, name]) => {
     const usage = quantiles[level] === null ? Infinity : at + quantiles[level];
     const shown = usage <= range.x[1];
@@ -137,7 +136,7 @@ function crossings({ forecast: { at, quantiles, horizon, reached }, limit }, { p
     s("line", { class: "span", x1: marks[0].at, x2: marks[2].at, y1: lane, y2: lane }),
     !marks[2].shown && s("path", { class: "more", d: `M${plot.right - 1} ${lane - 4}l5 4-5 4` }),
     marks.map((mark, index) => [
-      mark.shown && s("line", { class: index === 1 ? "drop median" : "drop", x1: mark.at, x2: mark.at, y1: y(limit), y2: lane }),
+      mark.shown && s("line", { class: index === 1 ? "drop median" : "drop", x1: mark.at, x2: mark.at, y1: y(limit), y2: plot.bottom }),
       mark.shown && s("circle", { cx: mark.at, cy: lane, r: index === 1 ? 4 : 2.5 }),
       s("text", { class: index === 1 ? "median" : null, x: places[index], y: lane + 17, "text-anchor": "middle" }, mark.text),
     ]));

@@ -49,7 +49,8 @@ async function poll() {
       getAll("/v1/fleet/health?sort=risk&limit=500", FLEET_PAGES_MAX), get("/v1/jobs?state=running&limit=50"), get("/v1/jobs?state=queued&limit=50"),
     ]);
     Object.assign(state, { rows: fleet.items, truncated: fleet.truncated, jobs: { running, queued }, updated: new Date(), problem: null, failures: 0 });
-    state.preview ??= fleet.items[0]?.actuator_id ?? null;
+    const listed = fleet.items.some((row) => row.actuator_id === state.preview);
+    if (!listed) state.preview = fleet.items[0]?.actuator_id ?? null;
   } catch (error) {
     state.problem = asProblem(error);
     state.failures += 1;

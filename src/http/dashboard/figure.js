@@ -32,7 +32,7 @@ export function figureOf(model) {
     const stop = stops[index];
     readout.replaceChildren(...said(stop, model));
     scrub.setAttribute("aria-valuenow", index);
-    scrub.setAttribute("aria-valuetext", readout.textContent);
+    scrub.setAttribute("aria-valuetext", [...readout.children].map((piece) => piece.textContent).join(", "));
     holder.querySelector(".cross")?.replaceChildren(...(crossed && view ? crosshair(stop, view) : []));
   }
 

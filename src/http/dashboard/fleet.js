@@ -13,8 +13,7 @@ export function badge(status) {
   return h("span", { class: "badge", "data-status": status, title: `${STATUSES[status].word}: ${STATUSES[status].rule}` }, STATUSES[status].word);
 }
 
-/** The address of an actuator's view. */
-export const linkTo = (id) => `#/actuators/${encodeURIComponent(id)}`;
+const linkTo = (id) => `#/actuators/${encodeURIComponent(id)}`;
 
 /** Draws the list. `view` holds `rows`, `filter {tail, text, statuses}`, `shown`, `selected`; `act` its callbacks. */
 export function drawFleet(view, act) {
