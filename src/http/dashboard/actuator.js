@@ -3,7 +3,7 @@
 import { badge, command } from "./fleet.js";
 import { h, reconcile } from "./dom.js";
 import { figureOf } from "./figure.js";
-import { FAULTS, amount, faultLimit, faultValue, fixed, interval90, percent, quantile, unitName, when } from "./format.js";
+import { FAULTS, amount, faultLimit, faultValue, fixed, interval90, median, percent, unitName, when } from "./format.js";
 import { statusOf } from "./status.js";
 import { lifeStrip } from "./strip.js";
 
@@ -51,7 +51,9 @@ function modelOf(fault, { record, history, life, maintenance }, lifeStart) {
 
 /** The faults in the order in which their thresholds are likely to be passed: the limiting one first. */
 function byUrgency(life) {
-  const rank = ({ forecast, risk }) => !forecast ? [2] : [forecast.reached ? 0 : 1, -(risk?.probability ?? 0), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity];
+  const rank = ({ forecast, risk }) => (forecast
+    ? [forecast.reached ? 0 : 1, -(risk?.probability ?? 0), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity]
+    : [2]);
   return Object.values(FAULTS).toSorted((a, b) => {
     const [left, right] = [a, b].map((fault) => rank(life.faults[fault.value]));
     const differing = left.findIndex((value, index) => value !== right[index]);
@@ -59,13 +61,18 @@ function byUrgency(life) {
   });
 }
 
+/** The way back to the list, where the list is not beside the actuator. */
+export function back() {
+  return h("a", { class: "back", href: "#/" }, "Fleet");
+}
+
 function head(record, life, history) {
   const status = statusOf({ remaining_life: life.forecast, risk: life.risk });
   return h("header", { class: "detail-head" },
-    h("a", { class: "back", href: "#/" }, "Fleet"),
+    back(),
     h("p", { class: "identity" }, h("b", {}, record.serial_number), h("span", {}, record.tail_number), h("span", {}, record.location), badge(status)),
     ...headline(life, history, unitName(record.usage_unit)),
-    life.forecast && !life.forecast.reached && lifeStrip(life.forecast, life.risk, unitName(record.usage_unit)));
+    life.forecast && !life.forecast.reached && life.forecast.quantiles["0.05"] !== null && lifeStrip(life.forecast, life.risk, unitName(record.usage_unit)));
 }
 
 function headline(life, history, unit) {
@@ -83,7 +90,8 @@ function headline(life, history, unit) {
     ];
   }
   return [
-    h("h2", {}, "Median remaining life ", h("span", { class: "together" }, `${quantile(forecast.quantiles["0.5"], forecast.horizon)} ${unit}`), " ", h("span", { class: "interval" }, `(90 %: ${interval90(forecast)})`)),
+    h("h2", {}, "Median remaining life ", h("span", { class: "together" }, `${median(forecast)} ${unit}`), " ",
+      forecast.quantiles["0.05"] !== null && h("span", { class: "interval" }, `(90 %: ${interval90(forecast)})`)),
     h("p", { class: "because" }, [limit, chance, asOf].filter(Boolean).join(" ")),
     life.reasons.length > 0 && h("p", { class: "because" }, life.reasons.join("; ")),
   ].filter(Boolean);
@@ -95,29 +103,45 @@ function measured(fault, history, limit) {
 }
 
 function noRecords(record) {
+  const query = `recorded_at=${new Date().toISOString().slice(0, 10)}T00:00:00Z&usage=10`;
   return h("div", { class: "empty" },
     h("h3", {}, "No record yet"),
     h("p", {}, "Upload the first trace; its estimate follows by itself."),
-    command(`curl -X POST '${location.origin}/v1/actuators/${record.id}/traces?recorded_at=${new Date().toISOString().slice(0, 10)}T00:00:00Z&usage=10' \\\n  -H 'Content-Type: text/csv' --data-binary @trace.csv`));
+    command(`curl -X POST '${location.origin}/v1/actuators/${record.id}/traces?${query}' \\\n  -H 'Content-Type: text/csv' --data-binary @trace.csv`));
 }
 
 function historyTable({ record, history, truncated }, shown, lifeStart, showMore) {
   const newestFirst = history.toReversed();
   const left = newestFirst.length - shown;
-  const cell = (item, fault) => h("td", {}, item[fault.value] === null ? "–" : [
-    faultValue(fault, item[fault.value], false), item[fault.std] !== null && h("span", { class: "pm" }, ` ± ${faultValue(fault, item[fault.std], false)}`),
-  ]);
+  const more = left > HISTORY_MORE ? `Show ${HISTORY_MORE} more of ${left}` : `Show the other ${left}`;
+  const heads = ["Recorded", ["Usage ", h("small", {}, `[${unitName(record.usage_unit)}]`)], ...Object.values(FAULTS).map(({ axis }) => axis), "Verdict"];
+  const rows = newestFirst.slice(0, shown).flatMap((item, index) => {
+    const earlier = item.usage < lifeStart;
+    const parts = earlier && !(newestFirst[index - 1]?.usage < lifeStart);
+    return [parts && parting(lifeStart, record.usage_unit), historyRow(item, earlier)];
+  });
   return h("section", { class: "block" },
     h("h3", {}, "History"),
     h("div", { class: "scroller", tabindex: 0, role: "region", "aria-label": "History table" }, h("table", {},
-      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Recorded"), h("th", { scope: "col" }, "Usage ", h("small", {}, `[${unitName(record.usage_unit)}]`)), h("th", { scope: "col" }, "KGM [-]"), h("th", { scope: "col" }, "FDJ [N]"), h("th", { scope: "col" }, "Verdict"))),
-      h("tbody", {}, newestFirst.slice(0, shown).map((item) => h("tr", { class: item.usage < lifeStart ? "earlier" : null },
-        h("td", { class: "time" }, h("a", { href: `/v1/traces/${encodeURIComponent(item.trace_id)}` }, when(item.recorded_at))),
-        h("td", {}, item.usage.toFixed(1)),
-        Object.values(FAULTS).map((fault) => cell(item, fault)),
-        h("td", { class: item.verdict }, item.usage < lifeStart ? `${item.verdict}, earlier life` : item.verdict)))))),
-    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, left > HISTORY_MORE ? `Show ${HISTORY_MORE} more of ${left}` : `Show the other ${left}`),
+      h("thead", {}, h("tr", {}, heads.map((text) => h("th", { scope: "col" }, text)))),
+      h("tbody", {}, rows))),
+    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, more),
     truncated && h("p", { class: "hint" }, `Only the first ${fixed(history.length, 0)} records were read; the raw JSON has the rest.`));
+}
+
+function parting(lifeStart, unit) {
+  return h("tr", { class: "parting" }, h("td", { colspan: 5 }, `Earlier life, before the replacement at ${amount(lifeStart)} ${unitName(unit)}`));
+}
+
+function historyRow(item, earlier) {
+  const cell = (fault) => h("td", {}, item[fault.value] === null ? "–" : [
+    faultValue(fault, item[fault.value], false), item[fault.std] !== null && h("span", { class: "pm" }, ` ± ${faultValue(fault, item[fault.std], false)}`),
+  ]);
+  return h("tr", { class: earlier ? "earlier" : null, "data-verdict": item.verdict },
+    h("td", { class: "time" }, h("a", { href: `/v1/traces/${encodeURIComponent(item.trace_id)}` }, when(item.recorded_at))),
+    h("td", {}, fixed(item.usage, 1)),
+    Object.values(FAULTS).map(cell),
+    h("td", { class: "verdict" }, item.verdict));
 }
 
 function maintenanceList(record, maintenance) {
