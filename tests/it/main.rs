@@ -1,6 +1,14 @@
 //! The integration tests: everything that needs two modules, in one binary.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should panic")]
 
+mod http_actuators;
+mod http_health;
+mod http_jobs;
+mod http_process;
+mod http_service;
+mod http_sockets;
+mod http_support;
+mod http_uploads;
 mod jobs;
-mod store_contract;
 mod models;
+mod store_contract;
