@@ -2,8 +2,11 @@
 //!
 //! Exit status: 0 done; 1 the work failed; 2 bad usage or bad input. An error is one line on standard error.
 
+mod estimate;
 mod openapi;
+mod progress;
 mod serve;
+mod simulate;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -23,6 +26,10 @@ struct Cli {
 enum Command {
     /// Run the service: HTTP, an embedded database and workers
     Serve(serve::ServeArgs),
+    /// Run a model and write a trace
+    Simulate(simulate::SimulateArgs),
+    /// Estimate faults from traces, without a server
+    Estimate(estimate::EstimateArgs),
     /// Print the HTTP interface's specification as YAML
     Openapi,
 }
@@ -31,6 +38,8 @@ impl Command {
     fn run(self) -> Result<(), Failure> {
         match self {
             Self::Serve(args) => serve::run(args),
+            Self::Simulate(args) => simulate::run(&args),
+            Self::Estimate(args) => estimate::run(&args),
             Self::Openapi => openapi::run(),
         }
     }

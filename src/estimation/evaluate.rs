@@ -10,7 +10,7 @@ use crate::models::monitoring::large_step::{LargeStep, TIME_STEP_MAX_S};
 use crate::models::monitoring::{Model, State};
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::Trace;
-use crate::numeric::lane::{Lane, Pack};
+use crate::numeric::lane::{Both, Lane, Lanes, Register};
 
 /// The faults that a candidate proposes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,15 +88,15 @@ impl WithSimd for Batch<'_> {
         let mut features = Vec::with_capacity(self.proposals.len());
         let mut rest = self.proposals;
         while !rest.is_empty() {
-            // Several registers side by side hide latencies; more than the proposals fill would be wasted.
-            let registers = rest.len().div_ceil(S::F64_LANES);
-            let (now, later) = rest.split_at(rest.len().min(registers.min(REGISTERS_MAX) * S::F64_LANES));
+            // Registers side by side hide latencies; more than the proposals fill would be wasted.
+            let registers = rest.len().div_ceil(S::F64_LANES).min(REGISTERS_MAX);
+            let (now, later) = rest.split_at(rest.len().min(registers * S::F64_LANES));
             match registers {
-                1 => run_pack::<S, 1>(simd, self.evaluator, now, &mut features),
-                2 => run_pack::<S, 2>(simd, self.evaluator, now, &mut features),
-                3 => run_pack::<S, 3>(simd, self.evaluator, now, &mut features),
-                4 => run_pack::<S, 4>(simd, self.evaluator, now, &mut features),
-                _ => run_pack::<S, REGISTERS_MAX>(simd, self.evaluator, now, &mut features),
+                1 => run_lanes::<Register<S>>(simd, self.evaluator, now, &mut features),
+                2 => run_lanes::<Two<S>>(simd, self.evaluator, now, &mut features),
+                3 => run_lanes::<Both<Register<S>, Two<S>>>(simd, self.evaluator, now, &mut features),
+                4 => run_lanes::<Both<Two<S>, Two<S>>>(simd, self.evaluator, now, &mut features),
+                _ => run_lanes::<Both<Register<S>, Both<Two<S>, Two<S>>>>(simd, self.evaluator, now, &mut features),
             }
             rest = later;
         }
@@ -107,17 +107,15 @@ impl WithSimd for Batch<'_> {
 /// The most registers side by side: 40 candidates in five registers of eight.
 const REGISTERS_MAX: usize = 5;
 
+/// Two registers side by side.
+type Two<S> = Both<Register<S>, Register<S>>;
+
 #[inline(always)]
-fn run_pack<S: Simd, const N: usize>(
-    simd: S,
-    evaluator: &Evaluator,
-    proposals: &[Proposal],
-    features: &mut Vec<Features>,
-) {
+fn run_lanes<L: Lanes>(token: L::Token, evaluator: &Evaluator, proposals: &[Proposal], features: &mut Vec<Features>) {
     let kgm: Vec<f64> = proposals.iter().map(|p| p.kgm).collect();
     let fdj_n: Vec<f64> = proposals.iter().map(|p| p.fdj_n).collect();
-    let (current, pressure) = evaluator.run(simd, Pack::<S, N>::load(simd, &kgm), Pack::<S, N>::load(simd, &fdj_n));
-    let (mut currents, mut pressures) = (vec![0.0; proposals.len()], vec![0.0; proposals.len()]);
+    let (current, pressure) = evaluator.run(token, L::load(token, &kgm), L::load(token, &fdj_n));
+    let (mut currents, mut pressures) = (kgm, fdj_n);
     current.store(&mut currents);
     pressure.store(&mut pressures);
     features.extend(

@@ -64,7 +64,7 @@ pub fn find(time_s: &[f64], command_m: &[f64]) -> Manoeuvres {
             && slope(hold).abs() < RAMP_MIN_M_PER_S
             && length(hold) >= PRESSURE_WINDOW_S.0 + half_s(hold)
     };
-    let pressure = pieces.windows(2).filter(is_step).last().map(|pair| {
+    let pressure = pieces.windows(2).rfind(is_step).map(|pair| {
         let middle_s = time_s[pair[0].last] + PRESSURE_WINDOW_S.0;
         let half_s = half_s(&pair[1]);
         Window { from_s: middle_s - half_s, to_s: middle_s + half_s }

@@ -10,6 +10,8 @@ pub mod manoeuvre;
 pub mod search;
 pub mod uncertainty;
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use utoipa::ToSchema;
@@ -93,6 +95,8 @@ pub struct Estimate {
     pub verdict: Verdict,
     /// Why a figure is missing, or what to know of one that is there.
     pub reasons: Vec<String>,
+    /// Other faults that were asked for, by their names with units, and their standard deviations under `..._std`.
+    pub faults: BTreeMap<String, Option<f64>>,
     /// SHA-256 of the parameter set.
     pub parameter_set_hash: String,
     /// The elevon version.
@@ -235,6 +239,7 @@ impl Estimate {
             objective: "features".into(),
             verdict: Verdict::Inconclusive,
             reasons,
+            faults: BTreeMap::new(),
             parameter_set_hash: set.hash().to_owned(),
             version: crate::VERSION.into(),
         }

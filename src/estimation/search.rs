@@ -15,9 +15,9 @@ use crate::optimiser::{Best, Bounds, Candidate, Search};
 const CURRENT_WEIGHT_PER_MA: f64 = 10.0;
 /// Weight of the pressure in the objective, 1/Pa (section 7.2).
 const PRESSURE_WEIGHT_PER_PA: f64 = 1e-4;
-/// The polish: it ends within 1e-8 of the ranges, or at a cost that stands for 1e-8 mA.
+/// The polish: it ends within 1e-6 of the ranges, or at a cost that stands for 1e-5 mA or 1 Pa.
 const POLISH: simplex::Settings =
-    simplex::Settings { width: 0.02, width_min: 1e-8, iterations: 200, cost_enough: 1e-7 };
+    simplex::Settings { width: 0.02, width_min: 1e-6, iterations: 200, cost_enough: 1e-4 };
 /// The share of the progress that the genetic algorithm makes; the polish makes the rest.
 const GENETIC_PROGRESS: f64 = 0.7;
 

@@ -1,6 +1,6 @@
 //! Lanes: one number, or several that go through the same operations in lock-step.
 //!
-//! Code that is generic over [`Lane`] gives the same bits on `f64` and on every [`Pack`]: each operation is the one
+//! Code that is generic over [`Lane`] gives the same bits on `f64` and on every [`Register`] and [`Both`]: each operation is the one
 //! IEEE 754 operation, none is fused with another or reordered, and a branch is a select.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -82,74 +82,42 @@ impl Lane for f64 {
     }
 }
 
-/// `N` vector registers of the instruction set `S`, side by side: enough independent work to hide latencies.
+/// A lane that is filled from slices and emptied into them.
+pub trait Lanes: Lane {
+    /// The number of numbers in lock-step.
+    const COUNT: usize;
+
+    /// The numbers of a slice; lanes beyond its end repeat its last one, or `0` when it is empty.
+    fn load(token: Self::Token, values: &[f64]) -> Self;
+
+    /// Writes the numbers to a slice; lanes beyond its end are dropped.
+    fn store(self, values: &mut [f64]);
+}
+
+/// One vector register of the instruction set `S`.
 #[derive(Debug, Clone, Copy)]
-pub struct Pack<S: Simd, const N: usize> {
+pub struct Register<S: Simd> {
     simd: S,
-    registers: [S::f64s; N],
+    values: S::f64s,
 }
 
-impl<S: Simd, const N: usize> Pack<S, N> {
-    /// The number of lanes.
-    pub const LANES: usize = N * S::F64_LANES;
-
-    /// The lanes of a slice; lanes beyond its end repeat its last number.
-    ///
-    /// # Panics
-    /// When the slice is empty.
-    #[inline(always)]
-    pub fn load(simd: S, values: &[f64]) -> Self {
-        let last = values[values.len() - 1];
-        let registers = std::array::from_fn(|register| {
-            // No instruction set has more than eight double-precision lanes.
-            let padded: [f64; 8] =
-                std::array::from_fn(|lane| values.get(register * S::F64_LANES + lane).copied().unwrap_or(last));
-            simd.partial_load_f64s(&padded[..S::F64_LANES])
-        });
-        Self { simd, registers }
-    }
-
-    /// Writes the lanes to a slice; lanes beyond its end are dropped.
-    #[inline(always)]
-    pub fn store(self, values: &mut [f64]) {
-        for (chunk, register) in values.chunks_mut(S::F64_LANES).zip(self.registers) {
-            self.simd.partial_store_f64s(chunk, register);
-        }
-    }
-
-    #[inline(always)]
-    fn map(self, f: impl Fn(S, S::f64s) -> S::f64s) -> Self {
-        Self { simd: self.simd, registers: std::array::from_fn(|i| f(self.simd, self.registers[i])) }
-    }
-
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(S, S::f64s, S::f64s) -> S::f64s) -> Self {
-        let registers = std::array::from_fn(|i| f(self.simd, self.registers[i], other.registers[i]));
-        Self { simd: self.simd, registers }
-    }
-}
-
-impl<S: Simd, const N: usize> Lane for Pack<S, N> {
+impl<S: Simd> Lane for Register<S> {
     type Token = S;
 
     #[inline(always)]
     fn splat(simd: S, value: f64) -> Self {
-        Self { simd, registers: [simd.splat_f64s(value); N] }
+        Self { simd, values: simd.splat_f64s(value) }
     }
 
     #[inline(always)]
     fn abs(self) -> Self {
-        self.map(|simd, a| simd.abs_f64s(a))
+        Self { values: self.simd.abs_f64s(self.values), ..self }
     }
 
     #[inline(always)]
     fn if_less(self, other: Self, then: Self, otherwise: Self) -> Self {
-        let simd = self.simd;
-        let registers = std::array::from_fn(|i| {
-            let mask = simd.less_than_f64s(self.registers[i], other.registers[i]);
-            simd.select_f64s(mask, then.registers[i], otherwise.registers[i])
-        });
-        Self { simd, registers }
+        let mask = self.simd.less_than_f64s(self.values, other.values);
+        Self { values: self.simd.select_f64s(mask, then.values, otherwise.values), ..self }
     }
 
     #[inline(always)]
@@ -158,32 +126,127 @@ impl<S: Simd, const N: usize> Lane for Pack<S, N> {
     }
 }
 
-impl<S: Simd, const N: usize> Neg for Pack<S, N> {
+impl<S: Simd> Lanes for Register<S> {
+    const COUNT: usize = S::F64_LANES;
+
+    #[inline(always)]
+    fn load(simd: S, values: &[f64]) -> Self {
+        let last = values.last().copied().unwrap_or(0.0);
+        // No instruction set has more than eight double-precision lanes.
+        let mut padded = [last; 8];
+        let filled = values.len().min(Self::COUNT);
+        padded[..filled].copy_from_slice(&values[..filled]);
+        Self { simd, values: simd.partial_load_f64s(&padded[..Self::COUNT]) }
+    }
+
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        let end = values.len().min(Self::COUNT);
+        self.simd.partial_store_f64s(&mut values[..end], self.values);
+    }
+}
+
+impl<S: Simd> Neg for Register<S> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|simd, a| simd.neg_f64s(a))
+        Self { values: self.simd.neg_f64s(self.values), ..self }
+    }
+}
+
+/// Two lanes side by side: independent work that hides latencies. Nested for more; pairs rather than an array, for a
+/// compiler need not unroll what has no loop.
+#[derive(Debug, Clone, Copy)]
+pub struct Both<A, B>(A, B);
+
+impl<A: Lane, B: Lane<Token = A::Token>> Lane for Both<A, B> {
+    type Token = A::Token;
+
+    #[inline(always)]
+    fn splat(token: Self::Token, value: f64) -> Self {
+        Self(A::splat(token, value), B::splat(token, value))
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.abs(), self.1.abs())
+    }
+
+    #[inline(always)]
+    fn if_less(self, other: Self, then: Self, otherwise: Self) -> Self {
+        Self(self.0.if_less(other.0, then.0, otherwise.0), self.1.if_less(other.1, then.1, otherwise.1))
+    }
+
+    #[inline(always)]
+    fn same(self, value: f64) -> Self {
+        Self(self.0.same(value), self.1.same(value))
+    }
+}
+
+impl<A: Lanes, B: Lanes<Token = A::Token>> Lanes for Both<A, B> {
+    const COUNT: usize = A::COUNT + B::COUNT;
+
+    #[inline(always)]
+    fn load(token: Self::Token, values: &[f64]) -> Self {
+        // The second half repeats the last number too when the first takes all.
+        let second =
+            values.get(A::COUNT..).filter(|rest| !rest.is_empty()).unwrap_or(&values[values.len().max(1) - 1..]);
+        Self(A::load(token, values), B::load(token, second))
+    }
+
+    #[inline(always)]
+    fn store(self, values: &mut [f64]) {
+        let (first, second) = values.split_at_mut(values.len().min(A::COUNT));
+        self.0.store(first);
+        self.1.store(second);
+    }
+}
+
+impl<A: Lane, B: Lane> Neg for Both<A, B> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self(-self.0, -self.1)
     }
 }
 
 macro_rules! operator {
     ($operator:ident, $method:ident, $instruction:ident) => {
-        impl<S: Simd, const N: usize> $operator for Pack<S, N> {
+        impl<S: Simd> $operator for Register<S> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                self.zip(other, |simd, a, b| simd.$instruction(a, b))
+                Self { values: self.simd.$instruction(self.values, other.values), ..self }
             }
         }
 
-        impl<S: Simd, const N: usize> $operator<f64> for Pack<S, N> {
+        impl<S: Simd> $operator<f64> for Register<S> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, other: f64) -> Self {
-                self.zip(self.same(other), |simd, a, b| simd.$instruction(a, b))
+                Self { values: self.simd.$instruction(self.values, self.simd.splat_f64s(other)), ..self }
+            }
+        }
+
+        impl<A: Lane, B: Lane> $operator for Both<A, B> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self(self.0.$method(other.0), self.1.$method(other.1))
+            }
+        }
+
+        impl<A: Lane, B: Lane> $operator<f64> for Both<A, B> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                Self(self.0.$method(other), self.1.$method(other))
             }
         }
     };
@@ -218,7 +281,8 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) {
-            mixture(Pack::<S, 3>::load(simd, self.a), Pack::<S, 3>::load(simd, self.b)).store(self.out);
+            type Three<S> = Both<Register<S>, Both<Register<S>, Register<S>>>;
+            mixture(Three::load(simd, self.a), Three::load(simd, self.b)).store(self.out);
         }
     }
 

@@ -81,17 +81,25 @@ impl LargeStep {
     /// stands, and the spool moves at a constant speed.
     #[inline(always)]
     fn move_valve<L: Lane>(&self, s: &State<L>, force_n: L) -> (L, L, L) {
-        let row = |k: [f64; 4]| {
-            s.flapper_position_m * k[0] + s.flapper_velocity_m_per_s * k[1] + s.spool_position_m * k[2] + force_n * k[3]
-        };
-        let free_m = row(self.transition[0]);
+        let free_m = self.linear(0, s, force_n);
         let stop_m = self.model.first_stage.flapper_position_max_m;
-        let (flapper_m, flapper_m_per_s) = end_stop::step(stop_m, free_m, row(self.transition[1]));
+        let (flapper_m, flapper_m_per_s) = end_stop::step(stop_m, free_m, self.linear(1, s, force_n));
         let gain_per_step = self.model.second_stage.spool_speed_gain_per_s * self.time_step_s;
         let against_stop_m = s.spool_position_m + flapper_m * gain_per_step;
-        let spool_m = free_m.same(stop_m).if_less(free_m.abs(), against_stop_m, row(self.transition[2]));
+        let spool_m = free_m.same(stop_m).if_less(free_m.abs(), against_stop_m, self.linear(2, s, force_n));
         let spool_max_m = spool_m.same(self.model.second_stage.spool_position_max_m);
         (flapper_m, flapper_m_per_s, spool_m.clip(spool_max_m))
+    }
+
+    /// One row of the linear motion. (A function and not a closure: a closure in lane code is compiled without the
+    /// vector instructions and may stay a call.)
+    #[inline(always)]
+    fn linear<L: Lane>(&self, row: usize, s: &State<L>, force_n: L) -> L {
+        let [flapper, velocity, spool, force] = self.transition[row];
+        s.flapper_position_m * flapper
+            + s.flapper_velocity_m_per_s * velocity
+            + s.spool_position_m * spool
+            + force_n * force
     }
 
     /// Load pressure and jack velocity, solved together: the pressure falls with the flow while the flow grows with
