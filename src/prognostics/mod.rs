@@ -1,1 +1,17 @@
 //! Prognosis: from the history of a fault to the distribution of the remaining useful life.
+//!
+//! Everything here is a pure function of its arguments. The model is written down in `docs/prognostics.md`.
+
+mod competing;
+mod forecast;
+mod history;
+mod life;
+mod line;
+mod remaining_life;
+#[cfg(test)]
+mod tests;
+
+pub use competing::competing;
+pub use forecast::{BandPoint, Forecast, Prognosis, Quantiles};
+pub use history::{Direction, Observation, Problem, PrognosisError, Question};
+pub use remaining_life::remaining_life;

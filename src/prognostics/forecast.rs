@@ -1,0 +1,140 @@
+//! What a prognosis says, and how it is read off a survival function.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::life::{self, Life};
+
+/// Nodes of the survival function, denser near now.
+const NODES: usize = 64;
+
+/// The probabilities of the quantiles.
+const PROBABILITIES: [f64; 7] = [0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95];
+
+/// Quantiles of the remaining life, in usage from `at`; null beyond the horizon.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Quantiles {
+    /// Life is shorter than this with probability 0.05.
+    #[serde(rename = "0.05")]
+    pub q05: Option<f64>,
+    /// Life is shorter than this with probability 0.1.
+    #[serde(rename = "0.1")]
+    pub q10: Option<f64>,
+    /// Life is shorter than this with probability 0.25.
+    #[serde(rename = "0.25")]
+    pub q25: Option<f64>,
+    /// The median.
+    #[serde(rename = "0.5")]
+    pub q50: Option<f64>,
+    /// Life is shorter than this with probability 0.75.
+    #[serde(rename = "0.75")]
+    pub q75: Option<f64>,
+    /// Life is shorter than this with probability 0.9.
+    #[serde(rename = "0.9")]
+    pub q90: Option<f64>,
+    /// Life is shorter than this with probability 0.95.
+    #[serde(rename = "0.95")]
+    pub q95: Option<f64>,
+}
+
+impl Quantiles {
+    /// The probabilities and their quantiles, in rising order.
+    #[must_use]
+    pub fn pairs(&self) -> [(f64, Option<f64>); 7] {
+        let values = [self.q05, self.q10, self.q25, self.q50, self.q75, self.q90, self.q95];
+        std::array::from_fn(|i| (PROBABILITIES[i], values[i]))
+    }
+}
+
+/// The forecast of the remaining life.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct Forecast {
+    /// The usage from which remaining life counts.
+    pub at: f64,
+    /// Quantiles of the remaining life, in usage from `at`; null beyond the horizon.
+    pub quantiles: Quantiles,
+    /// Mean of the remaining life up to the horizon (a longer life counts as the horizon), in usage.
+    pub mean: Option<f64>,
+    /// Whether the threshold has been passed already, more probably than not, and not on the word of one observation.
+    pub reached: bool,
+    /// The probability that life lasts beyond the horizon, 0 to 1.
+    pub probability_beyond_horizon: f64,
+    /// How far the forecast reaches, in usage from `at`.
+    pub horizon: f64,
+    /// The degradation laws it rests on.
+    pub models: Vec<String>,
+}
+
+/// A point of the 90 % band of the fault's value; the future observations' own noise is not part of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct BandPoint {
+    /// The usage.
+    pub usage: f64,
+    /// The lower bound of the value, in its own unit.
+    pub low: f64,
+    /// The median of the value, in its own unit.
+    pub median: f64,
+    /// The upper bound of the value, in its own unit.
+    pub high: f64,
+}
+
+/// All that is said of a fault, or of an actuator, at one usage.
+#[derive(Debug, Clone)]
+pub struct Prognosis {
+    /// The forecast; none without an observation.
+    pub forecast: Option<Forecast>,
+    /// Why there is no forecast, or what weakens it: sentences.
+    pub reasons: Vec<String>,
+    /// The probability that the threshold is passed within the risk window from `at`, 0 to 1; none without a forecast.
+    pub risk: Option<f64>,
+    /// The usage from `at` that the risk is about.
+    pub risk_window: f64,
+    /// The band from `at` to where its median crosses the threshold, or to the horizon; empty without a forecast, and
+    /// for competing faults.
+    pub band: Vec<BandPoint>,
+    pub(super) lives: Vec<Life>,
+}
+
+impl Prognosis {
+    /// The probability that nothing has reached its threshold `elapsed` (0 or more, in usage) after `at`; none without
+    /// a forecast.
+    #[must_use]
+    pub fn survival(&self, elapsed: f64) -> Option<f64> {
+        (!self.lives.is_empty()).then(|| survival(&self.lives, elapsed.max(0.0)))
+    }
+}
+
+/// The survival of independent lives, of which the first to end counts.
+pub(super) fn survival(lives: &[Life], elapsed: f64) -> f64 {
+    lives.iter().map(|life| 1.0 - life.passed(elapsed)).product()
+}
+
+/// Reads a forecast off the survival of `lives`, at least one.
+pub(super) fn forecast(lives: &[Life], at: f64, horizon: f64, reached: bool, models: Vec<String>) -> Forecast {
+    let survives = |elapsed: f64| survival(lives, elapsed);
+    let mut nodes: Vec<(f64, f64)> = (0..=NODES)
+        .map(|i| {
+            let elapsed = horizon * (i as f64 / NODES as f64).powi(3);
+            (elapsed, survives(elapsed))
+        })
+        .collect();
+    let quantiles = PROBABILITIES.map(|p| {
+        let next = nodes.iter().position(|node| 1.0 - node.1 >= p)?;
+        let previous = nodes[next.saturating_sub(1)].0;
+        Some(life::quantile(previous, nodes[next].0, p, |elapsed| 1.0 - survives(elapsed)))
+    });
+    let beyond = nodes[NODES].1;
+    nodes.extend(quantiles.iter().zip(PROBABILITIES).filter_map(|(q, p)| Some(((*q)?, 1.0 - p))).filter(|n| n.0 > 0.0));
+    nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mean: f64 = nodes.windows(2).map(|pair| 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1)).sum();
+    let [q05, q10, q25, q50, q75, q90, q95] = quantiles;
+    Forecast {
+        at,
+        quantiles: Quantiles { q05, q10, q25, q50, q75, q90, q95 },
+        mean: Some(mean.clamp(0.0, horizon)),
+        reached,
+        probability_beyond_horizon: beyond,
+        horizon,
+        models,
+    }
+}

@@ -1,0 +1,112 @@
+//! First passage: from the lines of a posterior to the probability that the threshold has been passed.
+
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+use statrs::function::erf::{erfc, erfc_inv};
+
+use super::line::Line;
+
+/// Probabilities nearer 0 or 1 than this count as this near, where a quantile is sought.
+const PROBABILITY_MIN: f64 = 1e-12;
+/// How near a quantile comes, in standard normal deviates.
+const DEVIATE_TOLERANCE: f64 = 1e-4;
+
+/// Deviates at which each line's normal law is taken for the band.
+const DRAWS: usize = 4;
+
+/// The distribution of one fault's level, from which its life follows.
+#[derive(Debug, Clone)]
+pub(super) struct Life {
+    lines: Vec<Line>,
+    scale: f64,
+}
+
+impl Life {
+    /// The life that equally probable lines tell of, at least one; `scale` is their unit of usage.
+    pub fn new(lines: Vec<Line>, scale: f64) -> Self {
+        Self { lines, scale }
+    }
+
+    /// The probability that the threshold has been passed `elapsed` after `at`. It never falls as `elapsed` grows.
+    pub fn passed(&self, elapsed: f64) -> f64 {
+        let x = elapsed / self.scale;
+        self.mean(|line| {
+            let now = (line.level - 1.0) / line.variance.sqrt();
+            let then = (line.level + line.slope * x - 1.0) / (line.variance + line.wander * x).sqrt();
+            // What has been passed stays passed, though the normal law of the wander would take it back.
+            cumulative(then.max(now))
+        })
+    }
+
+    /// The levels (0 healthy, 1 threshold) that stay unexceeded with probability 0.05, 0.5 and 0.95 at each time
+    /// `elapsed` after `at`: order statistics of the lines, each taken at evenly spread deviates of its normal law.
+    pub fn levels(&self, elapsed: &[f64]) -> Vec<[f64; 3]> {
+        let draw =
+            |(i, line)| (0..DRAWS).map(move |k| (line, deviate((spread(i, SQRT_2) + k as f64 / DRAWS as f64).fract())));
+        let draws: Vec<(&Line, f64)> = self.lines.iter().enumerate().flat_map(draw).collect();
+        let tail = draws.len() / 20;
+        let quantiles = |elapsed: &f64| {
+            let x = elapsed / self.scale;
+            let level =
+                |(line, z): &(&Line, f64)| line.level + line.slope * x + (line.variance + line.wander * x).sqrt() * z;
+            let mut levels: Vec<f64> = draws.iter().map(level).collect();
+            let (below, median, above) = levels.select_nth_unstable_by(draws.len() / 2, f64::total_cmp);
+            let high = above.len() - 1 - tail;
+            let low = *below.select_nth_unstable_by(tail, f64::total_cmp).1;
+            [low, *median, *above.select_nth_unstable_by(high, f64::total_cmp).1]
+        };
+        elapsed.iter().map(quantiles).collect()
+    }
+
+    fn mean(&self, f: impl Fn(&Line) -> f64) -> f64 {
+        self.lines.iter().map(f).sum::<f64>() / self.lines.len() as f64
+    }
+}
+
+/// Term `i` of a sequence that fills 0 to 1 evenly (Weyl): the fractions of the multiples of an irrational number.
+pub(super) fn spread(i: usize, irrational: f64) -> f64 {
+    ((i as f64 + 0.5) * irrational).fract()
+}
+
+/// The standard normal distribution function.
+fn cumulative(deviate: f64) -> f64 {
+    match deviate {
+        z if z < -6.0 => 0.0,
+        z if z > 6.0 => 1.0,
+        z => 0.5 * erfc(-z * FRAC_1_SQRT_2),
+    }
+}
+
+/// The standard normal quantile.
+pub(super) fn deviate(p: f64) -> f64 {
+    -SQRT_2 * erfc_inv(2.0 * p.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN))
+}
+
+/// Where the rising `cdf` reaches `p` between `low` and `high`: false position (Illinois) on the standard normal
+/// deviate of the probability, which is nearly straight for what is nearly normal.
+pub(super) fn quantile(mut low: f64, mut high: f64, p: f64, cdf: impl Fn(f64) -> f64) -> f64 {
+    let target = deviate(p);
+    let excess = |x: f64| deviate(cdf(x)) - target;
+    let (mut below, mut above) = (excess(low), excess(high));
+    if below >= 0.0 {
+        return low;
+    }
+    if above <= 0.0 {
+        return high;
+    }
+    for _ in 0..100 {
+        let x = (low + (high - low) * below / (below - above)).clamp(low, high);
+        let y = excess(x);
+        if y.abs() < DEVIATE_TOLERANCE || high - low <= 1e-12 * high.abs() {
+            return x;
+        }
+        if y < 0.0 {
+            (low, below) = (x, y);
+            above *= 0.5;
+        } else {
+            (high, above) = (x, y);
+            below *= 0.5;
+        }
+    }
+    0.5 * (low + high)
+}
