@@ -3,7 +3,7 @@
 import { badge, command } from "./fleet.js";
 import { h, reconcile } from "./dom.js";
 import { figureOf } from "./figure.js";
-import { FAULTS, amount, faultLimit, faultValue, interval90, percent, quantile, unitName, when } from "./format.js";
+import { FAULTS, amount, faultLimit, faultValue, fixed, interval90, median, percent, unitName, when } from "./format.js";
 import { statusOf } from "./status.js";
 import { lifeStrip } from "./strip.js";
 
@@ -19,7 +19,7 @@ export function drawActuator(container, detail, open, showMore) {
   reconcile(container, [
     { key: "head", data: [record, life, history.at(-1)], draw: () => head(record, life, history) },
     ...(history.length === 0 ? [{ key: "none", data: record.id, draw: () => noRecords(record) }] : []),
-    ...(history.length === 0 ? [] : Object.values(FAULTS)).map((fault) => {
+    ...(history.length === 0 ? [] : byUrgency(life)).map((fault) => {
       const model = modelOf(fault, detail, lifeStart);
       return { key: fault.value, data: model, draw: () => figureOf(model) };
     }),
@@ -49,42 +49,49 @@ function modelOf(fault, { record, history, life, maintenance }, lifeStart) {
   };
 }
 
-/** The fault whose threshold is likely to be passed first. */
-function limiting(life) {
-  const rank = ({ forecast, risk }) => [forecast.reached ? 0 : 1, -(risk?.probability ?? 0), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity];
-  const known = Object.values(FAULTS).filter((fault) => life.faults[fault.value].forecast);
-  return known.toSorted((a, b) => {
+/** The faults in the order in which their thresholds are likely to be passed: the limiting one first. */
+function byUrgency(life) {
+  const rank = ({ forecast, risk }) => (forecast
+    ? [forecast.reached ? 0 : 1, -(risk?.probability ?? 0), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity]
+    : [2]);
+  return Object.values(FAULTS).toSorted((a, b) => {
     const [left, right] = [a, b].map((fault) => rank(life.faults[fault.value]));
     const differing = left.findIndex((value, index) => value !== right[index]);
     return differing < 0 ? 0 : left[differing] - right[differing];
-  })[0];
+  });
+}
+
+/** The way back to the list, where the list is not beside the actuator. */
+export function back() {
+  return h("a", { class: "back", href: "#/" }, "Fleet");
 }
 
 function head(record, life, history) {
   const status = statusOf({ remaining_life: life.forecast, risk: life.risk });
   return h("header", { class: "detail-head" },
-    h("a", { class: "back", href: "#/" }, "Fleet"),
+    back(),
     h("p", { class: "identity" }, h("b", {}, record.serial_number), h("span", {}, record.tail_number), h("span", {}, record.location), badge(status)),
     ...headline(life, history, unitName(record.usage_unit)),
-    life.forecast && !life.forecast.reached && lifeStrip(life.forecast, life.risk, unitName(record.usage_unit)));
+    life.forecast && !life.forecast.reached && life.forecast.quantiles["0.05"] !== null && lifeStrip(life.forecast, life.risk, unitName(record.usage_unit)));
 }
 
 function headline(life, history, unit) {
   const { forecast, risk } = life;
   if (!forecast) return [h("h2", {}, "No forecast yet"), h("p", { class: "because" }, life.reasons.join("; ") || "There are too few conclusive records.")];
-  const fault = limiting(life);
-  const limit = fault && `Limiting fault: ${fault.name} (${fault.symbol}).`;
+  const [fault] = byUrgency(life);
+  const limit = life.faults[fault.value].forecast && `Limiting fault: ${fault.name} (${fault.symbol}).`;
   const chance = risk && `${percent(risk.probability)} likely to pass within ${amount(risk.within)} ${unit}.`;
   const asOf = `As of ${amount(life.usage)} ${unit}${life.as_of ? `, ${when(life.as_of)}` : ""}.`;
   if (forecast.reached) {
     const passed = Object.values(FAULTS).filter(({ value }) => life.faults[value].forecast?.reached);
     return [
-      h("h2", { class: "past" }, `Past its threshold: ${passed.map(({ name }) => name).join(" and ")}`),
+      h("h2", { class: "past" }, ["Past its threshold", passed.map(({ name }) => name).join(" and ")].filter(Boolean).join(": ")),
       h("p", { class: "because" }, [...passed.map((each) => measured(each, history, life.faults[each.value].threshold)), asOf].join(" ")),
     ];
   }
   return [
-    h("h2", {}, "Median remaining life ", h("span", { class: "together" }, `${quantile(forecast.quantiles["0.5"], forecast.horizon)} ${unit}`), " ", h("span", { class: "interval" }, `(90 %: ${interval90(forecast)})`)),
+    h("h2", {}, "Median remaining life ", h("span", { class: "together" }, `${median(forecast)} ${unit}`), " ",
+      forecast.quantiles["0.05"] !== null && h("span", { class: "interval" }, `(90 %: ${interval90(forecast)})`)),
     h("p", { class: "because" }, [limit, chance, asOf].filter(Boolean).join(" ")),
     life.reasons.length > 0 && h("p", { class: "because" }, life.reasons.join("; ")),
   ].filter(Boolean);
@@ -96,29 +103,45 @@ function measured(fault, history, limit) {
 }
 
 function noRecords(record) {
+  const query = `recorded_at=${new Date().toISOString().slice(0, 10)}T00:00:00Z&usage=10`;
   return h("div", { class: "empty" },
     h("h3", {}, "No record yet"),
     h("p", {}, "Upload the first trace; its estimate follows by itself."),
-    command(`curl -X POST '${location.origin}/v1/actuators/${record.id}/traces?recorded_at=${new Date().toISOString().slice(0, 10)}T00:00:00Z&usage=10' \\\n  -H 'Content-Type: text/csv' --data-binary @trace.csv`));
+    command(`curl -X POST '${location.origin}/v1/actuators/${record.id}/traces?${query}' \\\n  -H 'Content-Type: text/csv' --data-binary @trace.csv`));
 }
 
 function historyTable({ record, history, truncated }, shown, lifeStart, showMore) {
   const newestFirst = history.toReversed();
   const left = newestFirst.length - shown;
-  const cell = (item, fault) => h("td", {}, item[fault.value] === null ? "–" : [
-    faultValue(fault, item[fault.value], false), item[fault.std] !== null && h("span", { class: "pm" }, ` ± ${faultValue(fault, item[fault.std], false)}`),
-  ]);
+  const more = left > HISTORY_MORE ? `Show ${HISTORY_MORE} more of ${left}` : `Show the other ${left}`;
+  const heads = ["Recorded", ["Usage ", h("small", {}, `[${unitName(record.usage_unit)}]`)], ...Object.values(FAULTS).map(({ axis }) => axis), "Verdict"];
+  const rows = newestFirst.slice(0, shown).flatMap((item, index) => {
+    const earlier = item.usage < lifeStart;
+    const parts = earlier && !(newestFirst[index - 1]?.usage < lifeStart);
+    return [parts && parting(lifeStart, record.usage_unit), historyRow(item, earlier)];
+  });
   return h("section", { class: "block" },
     h("h3", {}, "History"),
     h("div", { class: "scroller", tabindex: 0, role: "region", "aria-label": "History table" }, h("table", {},
-      h("thead", {}, h("tr", {}, h("th", { scope: "col" }, "Recorded"), h("th", { scope: "col" }, "Usage ", h("small", {}, `[${unitName(record.usage_unit)}]`)), h("th", { scope: "col" }, "KGM [-]"), h("th", { scope: "col" }, "FDJ [N]"), h("th", { scope: "col" }, "Verdict"))),
-      h("tbody", {}, newestFirst.slice(0, shown).map((item) => h("tr", { class: item.usage < lifeStart ? "earlier" : null },
-        h("td", { class: "time" }, h("a", { href: `/v1/traces/${encodeURIComponent(item.trace_id)}` }, when(item.recorded_at))),
-        h("td", {}, item.usage.toFixed(1)),
-        Object.values(FAULTS).map((fault) => cell(item, fault)),
-        h("td", { class: item.verdict }, item.usage < lifeStart ? `${item.verdict}, earlier life` : item.verdict)))))),
-    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, left > HISTORY_MORE ? `Show ${HISTORY_MORE} more of ${left}` : `Show the other ${left}`),
-    truncated && h("p", { class: "hint" }, "Older records are not all shown; the raw JSON has them."));
+      h("thead", {}, h("tr", {}, heads.map((text) => h("th", { scope: "col" }, text)))),
+      h("tbody", {}, rows))),
+    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, more),
+    truncated && h("p", { class: "hint" }, `Only the first ${fixed(history.length, 0)} records were read; the raw JSON has the rest.`));
+}
+
+function parting(lifeStart, unit) {
+  return h("tr", { class: "parting" }, h("td", { colspan: 5 }, `Earlier life, before the replacement at ${amount(lifeStart)} ${unitName(unit)}`));
+}
+
+function historyRow(item, earlier) {
+  const cell = (fault) => h("td", {}, item[fault.value] === null ? "–" : [
+    faultValue(fault, item[fault.value], false), item[fault.std] !== null && h("span", { class: "pm" }, ` ± ${faultValue(fault, item[fault.std], false)}`),
+  ]);
+  return h("tr", { class: earlier ? "earlier" : null, "data-verdict": item.verdict },
+    h("td", { class: "time" }, h("a", { href: `/v1/traces/${encodeURIComponent(item.trace_id)}` }, when(item.recorded_at))),
+    h("td", {}, fixed(item.usage, 1)),
+    Object.values(FAULTS).map(cell),
+    h("td", { class: "verdict" }, item.verdict));
 }
 
 function maintenanceList(record, maintenance) {
@@ -140,6 +163,7 @@ function facts(record, life) {
       Object.values(FAULTS).map((fault) => pair(`${fault.symbol} threshold`, faultLimit(fault, record.thresholds[fault.value]))),
       pair("Parameter set", record.parameter_set), pair("Registered", when(record.created_at)),
       models.length > 0 && pair("Forecast models", models.join(", ")),
+      life.forecast && pair("Beyond the horizon", `${percent(life.forecast.probability_beyond_horizon)} after ${amount(life.forecast.horizon)} ${unitName(record.usage_unit)}`),
       pair("Identifier", h("code", {}, record.id))),
     h("p", { class: "raw" }, "Raw JSON ", Object.entries(raw).map(([name, href]) => h("a", { href }, name))));
 }

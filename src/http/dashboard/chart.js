@@ -6,8 +6,13 @@ import { amount, faultLimit, fixed } from "./format.js";
 const HEIGHT = 286;
 const LANE = 13;
 const TABULAR = 1.04;
+
+// The future takes at least and at most this share of the history shown; the plot grows to at most so many thresholds.
 const FUTURE_MIN = 0.25;
 const FUTURE_MAX = 1.1;
+const BAND_MAX = 1.35;
+const EARLIER_MAX = 1.6;
+
 const CROSSINGS = [["0.05", "P5"], ["0.5", "P50"], ["0.95", "P95"]];
 
 const ruler = document.createElement("canvas").getContext("2d");
@@ -23,22 +28,23 @@ export function ticks(low, high, count) {
   const power = 10 ** Math.floor(Math.log10(raw));
   const step = [1, 2, 2.5, 5, 10].map((factor) => factor * power).find((candidate) => candidate >= raw);
   const values = [];
-  for (let index = Math.ceil(low / step); index * step <= high + step * 1e-9; index += 1) values.push(index * step);
-  return { values, decimals: Math.max(0, -Math.floor(Math.log10(step) + 1e-9) + (String(step / power) === "2.5" ? 1 : 0)) };
+  for (let index = Math.ceil(low / step); index * step <= high + step * 1e-9; index += 1) values.push(index * step || 0);
+  const decimals = [0, 1, 2, 3].find((count) => Math.abs(step * 10 ** count - Math.round(step * 10 ** count)) < 1e-9) ?? 4;
+  return { values, decimals };
 }
 
 /** The scales of a chart `width` wide: data ranges, plot rectangle, and the maps `x` and `y` to pixels. */
 export function frame(model, width) {
   const { points, band, forecast, limit, events } = model;
-  const plot = { left: 58, right: width - 14, top: 32, bottom: HEIGHT - (forecast ? 70 : 38) };
+  const plot = { left: 58, right: width - 14, top: 32, bottom: HEIGHT - (forecast && !forecast.reached ? 70 : 38) };
   const usages = [...points.map((point) => point.usage), ...events.map((event) => event.usage), model.now];
   const first = Math.min(...usages);
   const newest = Math.max(...usages);
   const span = newest - first || Math.max(newest, 1) * 0.5;
   const last = newest + Math.min(Math.max(model.reach * 1.12, span * FUTURE_MIN), span * FUTURE_MAX);
   const heights = [
-    ...points.filter((point) => point.value !== null).map((point) => point.value + (point.std ?? 0)),
-    ...band.filter((point) => point.usage <= last).map((point) => Math.min(point.high, limit * 1.35)),
+    ...points.filter((point) => point.value !== null).map((point) => Math.min(point.value + (point.std ?? 0), point.earlier ? limit * EARLIER_MAX : Infinity)),
+    ...band.filter((point) => point.usage <= last).map((point) => Math.min(point.high, limit * BAND_MAX)),
     limit * 1.12,
   ];
   const range = { x: [first - span * 0.02, last], y: [0, Math.max(...heights) * 1.03] };
@@ -58,7 +64,7 @@ export function drawChart(model, view, id, label) {
     s("g", { "clip-path": `url(#${id})` }, forecast(model, view), observations(model, view)),
     threshold(model, view),
     verticals(model, view),
-    model.forecast && crossings(model, view),
+    model.forecast && !model.forecast.reached && crossings(model, view),
     s("g", { class: "cross" }));
 }
 
@@ -94,7 +100,7 @@ function observations({ points }, { plot, x, y }) {
     if (point.value === null) return s("path", { class: `missing ${tone}`, d: `M${at - 3} ${plot.bottom - 9}l6 6m0-6l-6 6` });
     return s("g", { class: tone },
       point.std && s("line", { x1: at, x2: at, y1: y(point.value - point.std), y2: y(point.value + point.std) }),
-      s("circle", { cx: at, cy: y(point.value), r: 3 }));
+      s("circle", { cx: at, cy: y(point.value), r: 2.5 }));
   }));
 }
 
@@ -109,23 +115,25 @@ function verticals({ events, now }, { plot, range, x }) {
   const lines = [...events.map((event) => ({ ...event, text: `${event.kind} ${amount(event.usage)}` })), { kind: "now", usage: now, text: `now ${amount(now)}` }]
     .filter(({ usage }) => usage >= range.x[0] && usage <= range.x[1]);
   const taken = [[], []];
-  const order = [...lines].sort((a, b) => (b.kind === "now") - (a.kind === "now") || (b.kind === "replaced") - (a.kind === "replaced") || b.usage - a.usage);
-  return s("g", { class: "verticals" }, order.map(({ kind, usage, text }) => {
+  const order = lines.toSorted((a, b) => (b.kind === "now") - (a.kind === "now") || (b.kind === "replaced") - (a.kind === "replaced") || b.usage - a.usage);
+  const placed = order.map(({ kind, usage, text }) => {
     const half = widthOf(text) / 2;
-    const centre = Math.min(Math.max(x(usage), plot.left + half - 40), plot.right - half + 8);
+    const centre = clamp(x(usage), plot.left + half - 40, plot.right - half + 8);
     const lane = taken.findIndex((spans) => spans.every(([low, high]) => centre + half + 4 < low || centre - half - 4 > high));
     if (lane >= 0) taken[lane].push([centre - half, centre + half]);
-    const top = lane === 1 ? plot.top - LANE - 4 : plot.top - 4;
-    return s("g", { class: kind },
-      s("line", { x1: x(usage), x2: x(usage), y1: top, y2: plot.bottom }),
-      lane >= 0 && s("text", { x: centre, y: top - 3, "text-anchor": "middle" }, text));
-  }));
+    return { kind, text, centre, lane, at: x(usage), top: plot.top - 4 - (lane === 1 ? LANE : 0) };
+  });
+  return s("g", { class: "verticals" },
+    placed.map(({ kind, at, top }) => s("line", { class: kind, x1: at, x2: at, y1: top, y2: plot.bottom })),
+    placed.filter(({ lane }) => lane >= 0).map(({ kind, text, centre, top }) => s("text", { class: kind, x: centre, y: top - 3, "text-anchor": "middle" }, text)));
 }
 
 /** The usage at which the threshold is passed: P5 to P95 as a bar under the axis, each quantile written below. */
-function crossings({ forecast: { at, quantiles, horizon, reached }, limit }, { plot, range, x, y }) {
+function crossings({ forecast: { at, quantiles, horizon }, limit }, { plot, range, x, y }) {
   const lane = plot.bottom + 29;
-  if (reached) return s("g", { class: "crossings" }, s("text", { x: plot.right, y: lane + 10, "text-anchor": "end" }, "threshold passed"));
+  if (quantiles["0.05"] === null) {
+    return s("g", { class: "crossings" }, s("text", { x: plot.right, y: lane + 10, "text-anchor": "end" }, `passes beyond ${amount(at + horizon)} →`));
+  }
   const marks = CROSSINGS.map(([level, name]) => {
     const usage = quantiles[level] === null ? Infinity : at + quantiles[level];
     const shown = usage <= range.x[1];
@@ -137,7 +145,7 @@ function crossings({ forecast: { at, quantiles, horizon, reached }, limit }, { p
     s("line", { class: "span", x1: marks[0].at, x2: marks[2].at, y1: lane, y2: lane }),
     !marks[2].shown && s("path", { class: "more", d: `M${plot.right - 1} ${lane - 4}l5 4-5 4` }),
     marks.map((mark, index) => [
-      mark.shown && s("line", { class: index === 1 ? "drop median" : "drop", x1: mark.at, x2: mark.at, y1: y(limit), y2: lane }),
+      mark.shown && s("line", { class: index === 1 ? "drop median" : "drop", x1: mark.at, x2: mark.at, y1: y(limit), y2: plot.bottom }),
       mark.shown && s("circle", { cx: mark.at, cy: lane, r: index === 1 ? 4 : 2.5 }),
       s("text", { class: index === 1 ? "median" : null, x: places[index], y: lane + 17, "text-anchor": "middle" }, mark.text),
     ]));

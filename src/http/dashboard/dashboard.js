@@ -1,11 +1,11 @@
 /** The page's one owner of state: it polls, follows the address, and hands the state to the views. */
 
-import { drawActuator } from "./actuator.js";
+import { back, drawActuator } from "./actuator.js";
 import { Problem, get, getAll, useKey } from "./api.js";
 import { byId, h, reconcile, refill } from "./dom.js";
 import { drawFleet, onRowKey } from "./fleet.js";
 import { clock, percent } from "./format.js";
-import { summary } from "./status.js";
+import { statusOf, summary } from "./status.js";
 
 const POLL_MS = 5_000;
 const POLL_MAX_MS = 60_000;
@@ -45,19 +45,27 @@ async function poll() {
   polling = true;
   clearTimeout(timer);
   try {
+    await readFleet();
+    render();
+    await refreshDetail();
+  } finally {
+    polling = false;
+    if (!document.hidden) timer = setTimeout(poll, pause());
+  }
+}
+
+async function readFleet() {
+  try {
     const [fleet, running, queued] = await Promise.all([
       getAll("/v1/fleet/health?sort=risk&limit=500", FLEET_PAGES_MAX), get("/v1/jobs?state=running&limit=50"), get("/v1/jobs?state=queued&limit=50"),
     ]);
     Object.assign(state, { rows: fleet.items, truncated: fleet.truncated, jobs: { running, queued }, updated: new Date(), problem: null, failures: 0 });
-    state.preview ??= fleet.items[0]?.actuator_id ?? null;
+    const listed = fleet.items.some((row) => row.actuator_id === state.preview);
+    if (!listed) state.preview = fleet.items[0]?.actuator_id ?? null;
   } catch (error) {
     state.problem = asProblem(error);
     state.failures += 1;
   }
-  render();
-  await refreshDetail();
-  polling = false;
-  if (!document.hidden) timer = setTimeout(poll, pause());
 }
 
 function pause() {
@@ -100,7 +108,6 @@ function render() {
     byId("fleet").hidden = false;
     const pieces = summary(state.rows);
     refill(byId("summary"), pieces, () => pieces.map(({ text, tone }) => h("span", { "data-tone": tone }, text)));
-    document.title = pieces.map(({ text }) => text).join("").split(";")[0] + " · elevon";
     drawFleet({ ...state, selected: selected() }, act);
   } else if (state.problem) {
     refill(byId("summary"), "unread", () => "The fleet could not be read");
@@ -172,6 +179,7 @@ function renderDetail() {
   document.body.toggleAttribute("data-single", id === null);
   pane.hidden = id === null;
   byId("skip").hidden = id === null;
+  document.title = titleOf();
   if (id === null) return;
   if (state.detail?.record.id === id) {
     drawActuator(pane, state.detail, state.historyShown, (count) => {
@@ -180,11 +188,19 @@ function renderDetail() {
     });
   } else if (state.detailProblem) {
     const problem = state.detailProblem;
-    reconcile(pane, [{ key: "problem", data: problemData(problem), draw: () => h("div", {}, h("a", { class: "back", href: "#/" }, "Fleet"), h("div", { class: "notice" }, problemPieces(problem))) }]);
+    reconcile(pane, [{ key: "problem", data: problemData(problem), draw: () => h("div", {}, back(), h("div", { class: "notice" }, problemPieces(problem))) }]);
   } else {
     const bones = ["bone bone-title", "bone bone-line", "bone bone-chart", "bone bone-chart"];
-    reconcile(pane, [{ key: "bones", data: "", draw: () => h("div", { "aria-busy": "true" }, h("a", { class: "back", href: "#/" }, "Fleet"), bones.map((name) => h("div", { class: name }))) }]);
+    reconcile(pane, [{ key: "bones", data: "", draw: () => h("div", { "aria-busy": "true" }, back(), bones.map((name) => h("div", { class: name }))) }]);
   }
+}
+
+/** The actuator that the address names, else how many ask for action. */
+function titleOf() {
+  const { chosen, detail, rows } = state;
+  if (chosen !== null && detail?.record.id === chosen) return `${detail.record.serial_number} · elevon`;
+  const urgent = (rows ?? []).filter((row) => statusOf(row) === "act").length;
+  return urgent > 0 ? `(${urgent}) elevon` : "elevon";
 }
 
 function unescaped(text) {

@@ -2,7 +2,7 @@
 
 import { drawChart, frame } from "./chart.js";
 import { h, s } from "./dom.js";
-import { amount, counted, faultLimit, faultValue, interval90, quantile, when } from "./format.js";
+import { amount, counted, faultLimit, faultValue, interval90, median, when } from "./format.js";
 
 const PAGE = 10;
 
@@ -32,7 +32,7 @@ export function figureOf(model) {
     const stop = stops[index];
     readout.replaceChildren(...said(stop, model));
     scrub.setAttribute("aria-valuenow", index);
-    scrub.setAttribute("aria-valuetext", readout.textContent);
+    scrub.setAttribute("aria-valuetext", [...readout.children].map((piece) => piece.textContent).join(", "));
     holder.querySelector(".cross")?.replaceChildren(...(crossed && view ? crosshair(stop, view) : []));
   }
 
@@ -96,8 +96,8 @@ function said(stop, { fault, unit }) {
 function answer({ forecast, reasons, unit }) {
   if (!forecast) return `No forecast${reasons.length > 0 ? `: ${reasons.join("; ")}` : ""}.`;
   if (forecast.reached) return "Threshold passed.";
-  if (forecast.quantiles["0.5"] === null) return `Passes after more than ${amount(forecast.horizon)} ${unit} (90 %: ${interval90(forecast)}).`;
-  return `Passes in ${quantile(forecast.quantiles["0.5"], forecast.horizon)} ${unit} (90 %: ${interval90(forecast)}).`;
+  if (forecast.quantiles["0.05"] === null) return `Passes ${median(forecast)} ${unit}.`;
+  return `Passes ${forecast.quantiles["0.5"] === null ? "" : "in "}${median(forecast)} ${unit} (90 %: ${interval90(forecast)}).`;
 }
 
 /** The chart in words, for those who cannot see it. */

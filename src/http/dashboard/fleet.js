@@ -1,9 +1,9 @@
 /** The fleet ranked by risk: columns, rows, filters and the empty state. */
 
 import { byId, h, reconcile, refill } from "./dom.js";
-import { FAULTS, amount, counted, faultLimit, faultValue, interval90, percent, quantile, unitName, unitSymbol } from "./format.js";
+import { FAULTS, OVER, amount, counted, faultLimit, faultValue, interval90, median, percent, unitName, unitSymbol } from "./format.js";
 import { gauge, lifeAxis, lifeRange, lifeScale } from "./gauges.js";
-import { STATUSES, sharedWindow, statusOf } from "./status.js";
+import { STATUSES, statusOf } from "./status.js";
 
 const SEARCH_ABOVE = 10;
 const ROWS_AT_ONCE = 100;
@@ -13,8 +13,7 @@ export function badge(status) {
   return h("span", { class: "badge", "data-status": status, title: `${STATUSES[status].word}: ${STATUSES[status].rule}` }, STATUSES[status].word);
 }
 
-/** The address of an actuator's view. */
-export const linkTo = (id) => `#/actuators/${encodeURIComponent(id)}`;
+const linkTo = (id) => `#/actuators/${encodeURIComponent(id)}`;
 
 /** Draws the list. `view` holds `rows`, `filter {tail, text, statuses}`, `shown`, `selected`; `act` its callbacks. */
 export function drawFleet(view, act) {
@@ -28,7 +27,12 @@ export function drawFleet(view, act) {
   byId("text-field").hidden = rows.length <= SEARCH_ABOVE;
 
   const scale = lifeScale(rows);
-  const heads = { scale, unit: shared(rows, (row) => unitSymbol(row.usage_unit)), window: sharedWindow(rows), limits: sharedLimits(rows) };
+  const heads = {
+    scale,
+    unit: shared(rows, (row) => unitSymbol(row.usage_unit)),
+    window: shared(rows.filter((row) => row.risk), (row) => row.risk.within),
+    limits: Object.values(FAULTS).map((fault) => shared(rows, (row) => faultLimit(fault, row.thresholds[fault.value], false))),
+  };
   refill(byId("columns"), heads, () => columns(heads));
   byId("rows").classList.toggle("own-limits", heads.limits.includes(null));
 
@@ -55,10 +59,6 @@ function shared(rows, read) {
   return values.size === 1 ? [...values][0] : null;
 }
 
-function sharedLimits(rows) {
-  return Object.values(FAULTS).map((fault) => shared(rows, (row) => faultLimit(fault, row.thresholds[fault.value], false)));
-}
-
 function columns({ scale, unit, window, limits }) {
   const limit = (index) => (limits[index] === null ? "against threshold" : `threshold ${limits[index]}`);
   const head = (text, detail) => h("span", {}, text, detail && h("small", {}, detail));
@@ -68,7 +68,7 @@ function columns({ scale, unit, window, limits }) {
     head(FAULTS.kgm.axis, limit(0)),
     head(FAULTS.fdj_n.axis, limit(1)),
     h("span", { class: "head-life" }, `Remaining life${unit ? ` [${unit}]` : ""}`, lifeAxis(scale)),
-    head("Risk", window ? `next ${amount(scale.within)}` : "in window"),
+    head("Risk", window === null ? "in window" : `next ${amount(window)}`),
     head("Status"),
   ];
 }
@@ -100,7 +100,7 @@ function lifeCell(row, scale) {
   const life = row.remaining_life;
   if (!life) return h("span", { class: "life-cell none" }, row.reasons.join("; ") || "no forecast");
   const text = life.reached ? h("b", { class: "reached" }, "Past its threshold")
-    : [h("b", {}, quantile(life.quantiles["0.5"], life.horizon)), h("span", { class: "unit" }, ` ${unitName(row.usage_unit)}`), h("span", { class: "pm" }, interval90(life))];
+    : [h("b", {}, median(life, OVER)), h("span", { class: "unit" }, ` ${unitName(row.usage_unit)}`), life.quantiles["0.05"] !== null && h("span", { class: "pm" }, interval90(life, OVER))];
   return h("span", { class: "life-cell" }, h("span", { class: "figure" }, text), lifeRange(life.reached ? null : life, scale), lifeAxis(scale));
 }
 
@@ -114,7 +114,7 @@ function spoken(row, status) {
   });
   return [
     `Rank ${row.risk_rank}: ${row.serial_number} on ${row.tail_number}, ${row.location}. ${STATUSES[status].word}.`,
-    life && (life.reached ? "Past its threshold." : `Median remaining life ${quantile(life.quantiles["0.5"], life.horizon)} ${unit}, 90 % interval ${interval90(life)}.`),
+    life && (life.reached ? "Past its threshold." : `Median remaining life ${median(life)} ${unit}, 90 % interval ${interval90(life)}.`),
     row.risk && `${percent(row.risk.probability)} likely to pass within ${amount(row.risk.within)} ${unit}.`,
     ...values,
   ].filter(Boolean).join(" ");
@@ -140,9 +140,10 @@ function drawTails(rows, filter) {
 function fleetEnd(rows, matching, visible, view, act) {
   if (rows.length === 0) return emptyFleet();
   const left = matching.length - visible.length;
+  const more = left > ROWS_AT_ONCE ? `Show ${ROWS_AT_ONCE} more of ${left}` : `Show the other ${left}`;
   return [
     matching.length === 0 && h("p", { class: "hint" }, "No actuator matches. ", h("button", { type: "button", class: "quiet", onclick: act.clearFilter }, "Show all")),
-    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more", onclick: () => act.showMore(ROWS_AT_ONCE) }, left > ROWS_AT_ONCE ? `Show ${ROWS_AT_ONCE} more of ${left}` : `Show the other ${left}`),
+    left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more", onclick: () => act.showMore(ROWS_AT_ONCE) }, more),
     view.truncated && h("p", { class: "hint" }, `Only the first ${counted(rows.length, "actuator")} by risk are shown.`),
   ].filter(Boolean);
 }
@@ -151,7 +152,8 @@ function legend() {
   return [
     h("summary", {}, "What the words mean"),
     h("dl", {}, Object.values(STATUSES).map(({ word, rule }) => h("div", {}, h("dt", {}, word), h("dd", {}, rule)))),
-    h("p", {}, "The window is the usage that a risk looks ahead. A bar shows a value with one standard deviation to each side, and its threshold as a mark. Remaining life is on a logarithmic scale: 90 % interval thin, 50 % thick, median a dot, the window dashed."),
+    h("p", {}, "The window is the usage that a risk looks ahead. A bar shows a value with one standard deviation to each side, and its threshold as a mark."),
+    h("p", {}, "Remaining life is on a logarithmic scale: 90 % interval thin, 50 % thick, median a dot, the window dashed."),
   ];
 }
 

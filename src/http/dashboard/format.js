@@ -1,20 +1,25 @@
 /** Numbers, times and words as the page writes them. */
 
 const NBSP = "\u00a0";
+
+/** `beyond` where room is short. */
+export const OVER = `>${NBSP}`;
+
 const FORMATS = new Map();
 
 /** The two faults that are watched: JSON names, symbols, words, units and decimals. */
 export const FAULTS = {
-  kgm: { value: "kgm", std: "kgm_std", symbol: "KGM", name: "demagnetisation", unit: "", axis: "KGM [-]", decimals: 3, limitDecimals: 2 },
-  fdj_n: { value: "fdj_n", std: "fdj_n_std", symbol: "FDJ", name: "jack friction", unit: "N", axis: "FDJ [N]", decimals: 0, limitDecimals: 0 },
+  kgm: { value: "kgm", std: "kgm_std", symbol: "KGM", name: "demagnetisation", unit: "", axis: "KGM [-]", decimals: 3, limitDecimals: [2, 4] },
+  fdj_n: { value: "fdj_n", std: "fdj_n_std", symbol: "FDJ", name: "jack friction", unit: "N", axis: "FDJ [N]", decimals: 0, limitDecimals: [0, 2] },
 };
 
-/** A number with a fixed count of decimals and grouped thousands. */
-export function fixed(value, decimals) {
-  if (!FORMATS.has(decimals)) {
-    FORMATS.set(decimals, new Intl.NumberFormat("en-GB", { minimumFractionDigits: decimals, maximumFractionDigits: decimals }));
+/** A number with grouped thousands and `least` to `most` decimals. */
+export function fixed(value, least, most = least) {
+  const name = `${least} ${most}`;
+  if (!FORMATS.has(name)) {
+    FORMATS.set(name, new Intl.NumberFormat("en-GB", { minimumFractionDigits: least, maximumFractionDigits: most }));
   }
-  return FORMATS.get(decimals).format(value);
+  return FORMATS.get(name).format(value);
 }
 
 /** A usage or a remaining life: one decimal below ten, whole numbers above. */
@@ -22,16 +27,16 @@ export function amount(value) {
   return fixed(value, value < 9.95 && value > 0 ? 1 : 0);
 }
 
-/** A quantile of remaining life; null lies beyond the horizon. */
-export function quantile(value, horizon) {
-  return value === null ? `>${NBSP}${amount(horizon)}` : amount(value);
+/** The median remaining life, with the same `beyond`. */
+export function median({ quantiles, horizon }, beyond = "beyond ") {
+  return quantiles["0.5"] === null ? `${beyond}${amount(horizon)}` : amount(quantiles["0.5"]);
 }
 
-/** The 90 % interval in words. */
-export function interval90({ quantiles, horizon }) {
+/** The 90 % interval; `beyond` is how it says that a bound lies beyond the horizon. */
+export function interval90({ quantiles, horizon }, beyond = "beyond ") {
   const [low, high] = [quantiles["0.05"], quantiles["0.95"]];
-  if (low === null) return `beyond ${amount(horizon)}`;
-  return `${amount(low)} to ${high === null ? "beyond " : ""}${amount(high ?? horizon)}`;
+  if (low === null) return `${beyond}${amount(horizon)}`;
+  return `${amount(low)} to ${high === null ? beyond : ""}${amount(high ?? horizon)}`;
 }
 
 /** A probability as a percentage that never claims certainty. */
@@ -48,7 +53,7 @@ export function faultValue(fault, value, withUnit = true) {
 
 /** A fault's threshold with its unit. */
 export function faultLimit(fault, value, withUnit = true) {
-  return fixed(value, fault.limitDecimals) + (withUnit && fault.unit ? NBSP + fault.unit : "");
+  return fixed(value, ...fault.limitDecimals) + (withUnit && fault.unit ? NBSP + fault.unit : "");
 }
 
 /** `flight_hours` as `flight hours`. */

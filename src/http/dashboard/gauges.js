@@ -10,12 +10,13 @@ const share = (part) => `${(Math.min(Math.max(part, 0), 1) * 100).toFixed(2)}%`;
 
 /** A thin bar: the value, one standard deviation to each side, and the threshold's mark. */
 export function gauge(value, std, threshold) {
-  const at = (level) => share((level / threshold) * THRESHOLD_AT);
+  const part = (level) => Math.min(Math.max((level / threshold) * THRESHOLD_AT, 0), 1);
+  const at = (level) => share(part(level));
   const known = value !== null && value !== undefined;
   return s("svg", { class: "gauge", "aria-hidden": "true" },
     s("rect", { class: "track", y: 3, width: "100%", height: 4, rx: 2 }),
     known && s("rect", { class: value >= threshold ? "fill over" : "fill", y: 3, width: at(value), height: 4, rx: 2 }),
-    known && std && s("rect", { class: "std", x: at(value - std), y: 2, width: share((2 * std / threshold) * THRESHOLD_AT), height: 6 }),
+    known && std && s("rect", { class: "std", x: at(value - std), y: 2, width: share(part(value + std) - part(value - std)), height: 6 }),
     s("line", { class: "limit", x1: share(THRESHOLD_AT), x2: share(THRESHOLD_AT), y1: 0, y2: 10 }));
 }
 

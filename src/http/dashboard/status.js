@@ -27,10 +27,10 @@ export function statusOf({ remaining_life: life, risk }) {
   return within("0.05") ? "watch" : "healthy";
 }
 
-/** The risk window in words when every row shares it: `100 flight hours`. */
-export function sharedWindow(rows) {
+/** The risk windows in words: `100 flight hours`. */
+function windowsOf(rows) {
   const windows = new Set(rows.filter((row) => row.risk).map((row) => `${row.risk.within} ${unitName(row.usage_unit)}`));
-  return windows.size === 1 ? [...windows][0] : null;
+  return [...windows].join(" or ") || "the risk window";
 }
 
 /** The summary as pieces `{text, tone}`: the counts that ask for action carry a tone. */
@@ -39,13 +39,12 @@ export function summary(rows) {
   const likely = rows.filter((row) => !row.remaining_life?.reached && row.risk?.probability >= LIKELY).length;
   const unknown = rows.filter((row) => statusOf(row) === "unknown").length;
   const aircraft = new Set(rows.map((row) => row.tail_number)).size;
-  const window = sharedWindow(rows) ?? "their risk window";
   if (rows.length === 0) return [{ text: "No actuator is registered yet" }];
   return [
     { text: `${counted(rows.length, "actuator")} on ${counted(aircraft, "aircraft", "aircraft")}; ` },
     { text: `${past || "none"} past ${past > 1 ? "their" : "its"} threshold`, tone: past ? "act" : null },
     { text: ", " },
-    { text: `${likely || "none"} likely to pass within ${window}`, tone: likely ? "act" : null },
+    { text: `${likely || "none"} likely to pass within ${windowsOf(rows)}`, tone: likely ? "act" : null },
     { text: unknown ? `; ${unknown} without a forecast.` : "." },
   ];
 }

@@ -17,7 +17,7 @@
     try {
       localStorage.setItem(KEY, theme);
     } catch {
-      return;
+      // Without storage the choice lasts as long as the page.
     }
   }
 
