@@ -43,6 +43,14 @@ async fn recovers_the_faults_of_a_simulated_actuator_through_upload_job_and_hist
     assert_eq!(row["verdict"], "conclusive");
     assert!((row["kgm"].as_f64().unwrap() - 0.2).abs() < 0.05, "{row:#}");
     assert!((row["fdj_n"].as_f64().unwrap() - 600.0).abs() < 100.0, "{row:#}");
+
+    let life = service.get(&format!("/v1/actuators/{actuator}/remaining-life")).await.expect(StatusCode::OK);
+    assert_eq!((life.text("/actuator_id"), life.value("/usage")), (actuator.clone(), json!(100.5)));
+    let median = life.value("/forecast/quantiles/0.5");
+    let fleet = service.get("/v1/fleet/health").await.expect(StatusCode::OK).value("/items/0");
+    assert_eq!(fleet["remaining_life"]["quantiles"]["0.5"], median);
+    assert_eq!(fleet["risk"], life.value("/risk"));
+    assert_eq!(fleet["newest"]["kgm"], row["kgm"]);
 }
 
 #[tokio::test]

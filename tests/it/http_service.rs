@@ -51,6 +51,7 @@ async fn metrics_count_and_time_requests_by_route_method_and_status() {
     let labels = r#"route="/v1/jobs/{id}",method="GET",status="404""#;
     assert!(text.contains(&format!("elevon_http_requests_total{{{labels}}}")), "{text}");
     assert!(text.contains(&format!("elevon_http_request_duration_seconds_bucket{{{labels},le=\"0.001\"}}")), "{text}");
+    assert!(text.contains("elevon_jobs{state=\"queued\"}"), "{text}");
     assert!(!text.contains("/v1/jobs/7"), "{text}");
 }
 

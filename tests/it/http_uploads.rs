@@ -36,7 +36,7 @@ async fn an_empty_body_is_malformed() {
 #[tokio::test]
 async fn a_file_without_a_needed_column_is_invalid() {
     let csv = still_csv().replace("position_command_m", "something_else");
-    let problem = refused_csv(csv, &["file"]).await;
+    let problem = refused_csv(csv, &["line 1"]).await;
     assert!(problem.to_string().contains("position_command_m"), "{problem:#}");
 }
 
