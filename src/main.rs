@@ -1,3 +1,7 @@
 //! The `elevon` program.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    elevon::cli::run(std::env::args_os())
+}

@@ -1,1 +1,101 @@
-//! Skeleton.
+//! The command line: one file per sub-command.
+//!
+//! Exit status: 0 done; 1 the work failed; 2 bad usage or bad input. An error is one line on standard error.
+
+mod estimate;
+mod progress;
+mod simulate;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+
+/// Prognostic health monitoring of electro-hydraulic flight-control actuators.
+#[derive(Debug, Parser)]
+#[command(name = "elevon", version)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run a model and write a trace
+    Simulate(simulate::SimulateArgs),
+    /// Estimate faults from traces, without a server
+    Estimate(estimate::EstimateArgs),
+}
+
+impl Command {
+    fn run(self) -> Result<(), Failure> {
+        match self {
+            Self::Simulate(args) => simulate::run(&args),
+            Self::Estimate(args) => estimate::run(&args),
+        }
+    }
+}
+
+/// Why a command did not end well.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// What was asked for cannot be understood: status 2.
+    Usage(anyhow::Error),
+    /// The work failed: status 1.
+    Work(anyhow::Error),
+}
+
+impl Failure {
+    /// What was asked for cannot be understood.
+    pub(crate) fn usage(error: impl Into<anyhow::Error>) -> Self {
+        Self::Usage(error.into())
+    }
+
+    /// The work failed.
+    pub(crate) fn work(error: impl Into<anyhow::Error>) -> Self {
+        Self::Work(error.into())
+    }
+
+    /// Tells the user, on one line.
+    fn report(&self) -> ExitCode {
+        let (error, status) = match self {
+            Self::Usage(error) => (error, 2),
+            Self::Work(error) => (error, 1),
+        };
+        eprintln!("elevon: {}", one_line(&format!("{error:#}")));
+        ExitCode::from(status)
+    }
+}
+
+/// Runs the command that `args` ask for; the first of them is the program's name.
+#[must_use]
+pub fn run(args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(error) => return explain(&error),
+    };
+    match cli.command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+/// Answers a request for help, or says in one line what is wrong with the arguments.
+fn explain(error: &clap::Error) -> ExitCode {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            let shown = error.print().is_ok();
+            if shown && error.exit_code() == 0 { ExitCode::SUCCESS } else { ExitCode::from(2) }
+        }
+        _ => {
+            let text = error.to_string();
+            let what = text.split("\n\nUsage:").next().unwrap_or_default().trim_start_matches("error: ");
+            Failure::usage(anyhow::anyhow!("{what} (see --help)")).report()
+        }
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}

@@ -1,12 +1,35 @@
 //! From a trace to its faults: the monitoring model is fitted to what was recorded.
+//!
+//! The data's way: the recorded command shows the [`manoeuvre`]s; there the two [`features`] are measured; the
+//! [`search`] proposes faults, which [`evaluate`] runs through the model in lock-step; [`uncertainty`] says how well the
+//! best is known.
+
+pub mod evaluate;
+pub mod features;
+pub mod manoeuvre;
+pub mod search;
+pub mod uncertainty;
+
+use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use utoipa::ToSchema;
 
+use crate::models::monitoring::Bias;
 use crate::models::parameters::ParameterSet;
-use crate::models::trace::Trace;
+use crate::models::trace::{Channel, Trace};
+use crate::numeric::statistics::window;
 use crate::numeric::watch::Watch;
+use evaluate::Evaluator;
+use features::{Features, Measured};
+
+/// A current this close to the motor's limit, as a part of it, is saturated.
+const SATURATED: f64 = 0.999;
+/// The part of the command's motion that a jack must make to count as following it.
+const MOTION_MIN: f64 = 0.5;
+/// The part of a feature that may remain unexplained.
+const MISFIT_MAX: f64 = 0.05;
 
 /// Whether a trace determined at least one of the faults that were asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -72,6 +95,8 @@ pub struct Estimate {
     pub verdict: Verdict,
     /// Why a figure is missing, or what to know of one that is there.
     pub reasons: Vec<String>,
+    /// Other faults that were asked for, by their names with units, and their standard deviations under `..._std`.
+    pub faults: BTreeMap<String, Option<f64>>,
     /// SHA-256 of the parameter set.
     pub parameter_set_hash: String,
     /// The elevon version.
@@ -104,24 +129,119 @@ pub enum EstimationError {
 /// Settings out of range, or cancellation by `watch`. A trace that tells nothing is not an error but an
 /// inconclusive estimate.
 pub fn estimate(
-    _trace: &Trace,
+    trace: &Trace,
     set: &ParameterSet,
     settings: &Settings,
-    _watch: &dyn Watch,
+    watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
-    Ok(Estimate {
-        kgm: None,
-        kgm_std: None,
-        fdj_n: None,
-        fdj_n_std: None,
-        cost: None,
-        evaluations: 0,
-        method: "ga".into(),
-        seed: settings.seed,
-        objective: "features".into(),
-        verdict: Verdict::Inconclusive,
-        reasons: vec!["skeleton".into()],
-        parameter_set_hash: set.hash().to_owned(),
-        version: crate::VERSION.into(),
-    })
+    settings.check()?;
+    let measured = match features::measure(trace, &manoeuvre::find(trace.time_s(), trace.position_command_m())) {
+        Ok(measured) => measured,
+        Err(reasons) => return Ok(Estimate::inconclusive(set, settings, reasons)),
+    };
+    let reasons = objections(trace, &measured, set);
+    if !reasons.is_empty() {
+        return Ok(Estimate::inconclusive(set, settings, reasons));
+    }
+    let bias = &set.monitoring_model().bias;
+    let evaluator = Evaluator::new(trace, &measured, set);
+    let found = search::search(&evaluator, &measured, bias, settings, watch)?;
+    let modelled = evaluator.features(&[found.proposal])[0];
+    let mut estimate = Estimate::inconclusive(set, settings, misfits(&measured.features, &modelled, bias));
+    estimate.cost = Some(found.cost);
+    estimate.evaluations = found.evaluations;
+    if !estimate.reasons.is_empty() {
+        return Ok(estimate);
+    }
+    match uncertainty::standard_deviations(&evaluator, found.proposal, &measured, bias) {
+        Some(std) => {
+            estimate.kgm = Some(found.proposal.kgm);
+            estimate.kgm_std = Some(std.kgm);
+            estimate.fdj_n = Some(found.proposal.fdj_n);
+            estimate.fdj_n_std = Some(std.fdj_n);
+            estimate.verdict = Verdict::Conclusive;
+        }
+        None => estimate.reasons.push("the trace does not tell demagnetisation and friction apart".into()),
+    }
+    Ok(estimate)
+}
+
+/// What speaks against a search before it is made.
+fn objections(trace: &Trace, measured: &Measured, set: &ParameterSet) -> Vec<String> {
+    let mut reasons = Vec::new();
+    let current_max_a = set.torque_motor().current_max_a;
+    if measured.current_peak_a >= SATURATED * current_max_a {
+        reasons.push(format!(
+            "the current is saturated on the ramp: {:.2} mA of {:.2} mA",
+            1e3 * measured.current_peak_a,
+            1e3 * current_max_a
+        ));
+    }
+    if let Some(position_m) = trace.channel(Channel::JackPosition) {
+        let at = window(trace.time_s(), measured.current_window.from_s, measured.current_window.to_s);
+        let moved = |values: &[f64]| (values[at.end - 1] - values[at.start]).abs();
+        let (jack_m, command_m) = (moved(position_m), moved(trace.position_command_m()));
+        if jack_m < MOTION_MIN * command_m {
+            reasons.push(format!(
+                "the jack does not follow the ramp: it moved {:.3} mm while the command moved {:.3} mm",
+                1e3 * jack_m,
+                1e3 * command_m
+            ));
+        }
+    }
+    reasons
+}
+
+/// Why the model at its best does not explain the trace.
+fn misfits(measured: &Features, modelled: &Features, bias: &Bias) -> Vec<String> {
+    let current_a = bias.current_ratio * modelled.servovalve_current_a;
+    let pairs = [
+        (Channel::ServovalveCurrent, measured.servovalve_current_a, current_a),
+        (Channel::LoadPressure, measured.load_pressure_pa, modelled.load_pressure_pa),
+    ];
+    let explained = |found: f64, model: f64| (found - model).abs() <= MISFIT_MAX * found.abs().max(model.abs());
+    pairs
+        .into_iter()
+        .filter(|&(_, found, model)| !explained(found, model))
+        .map(|(channel, found, model)| {
+            let column = channel.column();
+            format!("no faults explain {column}: found {found:.6e}, the model comes no nearer than {model:.6e}")
+        })
+        .collect()
+}
+
+impl Settings {
+    fn check(&self) -> Result<(), EstimationError> {
+        let expect = |name, found: usize, min: usize| {
+            if (min..=1000).contains(&found) {
+                Ok(())
+            } else {
+                Err(EstimationError::Setting { name, found, min, max: 1000 })
+            }
+        };
+        expect("population", self.population, 4)?;
+        expect("generations", self.generations, 0)
+    }
+}
+
+impl Estimate {
+    /// An estimate without figures.
+    fn inconclusive(set: &ParameterSet, settings: &Settings, reasons: Vec<String>) -> Self {
+        Self {
+            kgm: None,
+            kgm_std: None,
+            fdj_n: None,
+            fdj_n_std: None,
+            cost: None,
+            evaluations: 0,
+            method: "ga".into(),
+            seed: settings.seed,
+            objective: "features".into(),
+            verdict: Verdict::Inconclusive,
+            reasons,
+            faults: BTreeMap::new(),
+            parameter_set_hash: set.hash().to_owned(),
+            version: crate::VERSION.into(),
+        }
+    }
 }

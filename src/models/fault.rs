@@ -7,18 +7,24 @@ use utoipa::ToSchema;
 pub const FDJ_NOMINAL_N: f64 = 200.0;
 /// The most dynamic jack friction that is searched or simulated, N (thesis, section 7.2).
 pub const FDJ_MAX_N: f64 = 2000.0;
+/// The most extra radial clearance of the sleeve that is simulated, m.
+pub const CLEARANCE_MAX_M: f64 = 1e-4;
 
 /// The faults of one run. The default is a healthy actuator.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Faults {
     /// Torque-motor demagnetisation KGM, 0 (none) to 1 (no force left); section 6.1.
+    #[schema(minimum = 0, maximum = 1)]
     pub kgm: f64,
     /// Dynamic jack friction FDJ, N, 200 (nominal) to 2000; section 6.2.
+    #[schema(minimum = 200, maximum = 2000)]
     pub fdj_n: f64,
-    /// Radial clearance of the sleeve beyond the nominal one, m, 0 to 1e-4; section 7.2, third test.
+    /// Radial clearance of the sleeve beyond the nominal one, m, 0 to 1e-4; section 7.2, third test. Reference model only.
+    #[schema(minimum = 0, maximum = 0.0001)]
     pub clearance_m: f64,
-    /// Filter clogging (Kintas), 0 (clean) to 1 (closed); section 4.1.2.
+    /// Filter clogging (Kintas), 0 (clean) to 1 (closed); section 4.1.2. Reference model only.
+    #[schema(minimum = 0, maximum = 1)]
     pub clogging: f64,
 }
 

@@ -1,16 +1,30 @@
-//! A simulation: a model, a command and faults make a trace.
+//! A simulation: a model, a command and faults make a trace. Here is the one time loop.
 
 use std::collections::BTreeMap;
 
+use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use utoipa::ToSchema;
 
 use super::drive::Drive;
-use super::fault::Faults;
+use super::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
 use super::parameters::ParameterSet;
-use super::trace::{Channel, Trace};
+use super::trace::{Channel, SAMPLES_MIN, Trace};
+use super::{monitoring, reference};
+use crate::numeric::rng::Seed;
 use crate::numeric::watch::Watch;
+
+/// The longest simulation, s.
+pub const DURATION_MAX_S: f64 = 600.0;
+/// The fastest sampling, Hz.
+pub const SAMPLE_RATE_MAX_HZ: f64 = 1e5;
+/// The most samples that a simulation may make: ten times a 6 s trace at 10 kHz.
+pub const SAMPLES_MAX: f64 = 600_000.0;
+/// The time step of the monitoring model here, s: the reference model's.
+const MONITORING_TIME_STEP_S: f64 = 1e-5;
+/// Steps between two looks at the watch.
+const STEPS_PER_LOOK: u64 = 20_000;
 
 /// Which model to run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -35,9 +49,9 @@ pub struct Simulation {
     pub noise_power_ma2_s: f64,
     /// Seed of the noise.
     pub seed: u64,
-    /// Length, s, above 0, at most 600.
+    /// Length, s, above 0, at most [`DURATION_MAX_S`].
     pub duration_s: f64,
-    /// Samples per second, Hz, 1 to 100 000.
+    /// Samples per second, Hz, 1 to [`SAMPLE_RATE_MAX_HZ`].
     pub sample_rate_hz: f64,
 }
 
@@ -54,6 +68,12 @@ pub enum SimulationError {
         /// Its range, with its unit.
         expected: &'static str,
     },
+    /// The state stopped being finite: the parameters and the time step do not go together.
+    #[error("the model diverged at {time_s} s")]
+    Diverged {
+        /// When.
+        time_s: f64,
+    },
     /// The watcher asked for an end.
     #[error("cancelled")]
     Cancelled,
@@ -63,15 +83,299 @@ impl Simulation {
     /// Every field that is out of its range; empty when the recipe can be run.
     #[must_use]
     pub fn check(&self) -> Vec<SimulationError> {
-        Vec::new()
+        let mut errors = Vec::new();
+        let mut expect = |holds: bool, name, found, expected| {
+            if !holds {
+                errors.push(SimulationError::OutOfRange { name, found, expected });
+            }
+        };
+        let Faults { kgm, fdj_n, clearance_m, clogging } = self.faults;
+        expect((0.0..=1.0).contains(&kgm), "faults.kgm", kgm, "0 to 1");
+        expect((FDJ_NOMINAL_N..=FDJ_MAX_N).contains(&fdj_n), "faults.fdj_n", fdj_n, "200 to 2000 N");
+        expect((0.0..=CLEARANCE_MAX_M).contains(&clearance_m), "faults.clearance_m", clearance_m, "0 to 1e-4 m");
+        expect((0.0..=1.0).contains(&clogging), "faults.clogging", clogging, "0 to 1");
+        let noise = self.noise_power_ma2_s;
+        expect((0.0..=1.0).contains(&noise), "noise_power", noise, "0 to 1 mA2 s");
+        if self.model == ModelKind::Monitoring {
+            let expected = "0: the monitoring model does not have it";
+            expect(clearance_m == 0.0, "faults.clearance_m", clearance_m, expected);
+            expect(clogging == 0.0, "faults.clogging", clogging, expected);
+            expect(noise == 0.0, "noise_power", noise, expected);
+        }
+        let (duration_s, rate_hz) = (self.duration_s, self.sample_rate_hz);
+        expect(duration_s > 0.0 && duration_s <= DURATION_MAX_S, "duration_s", duration_s, "above 0, at most 600 s");
+        expect((1.0..=SAMPLE_RATE_MAX_HZ).contains(&rate_hz), "sample_rate_hz", rate_hz, "1 to 100000 Hz");
+        let samples = (duration_s * rate_hz).floor() + 1.0;
+        let fits = (SAMPLES_MIN as f64..=SAMPLES_MAX).contains(&samples);
+        expect(fits, "duration_s times sample_rate_hz", samples, "10 to 600000 samples");
+        errors
     }
 }
 
-/// Runs a model. Row k of the trace is the state after the step at k / rate.
+/// What is recorded of one step, in the order of [`Recorder::finish`]'s columns.
+type Sample = [f64; 8];
+
+/// A model that the time loop can run.
+trait Plant {
+    type State;
+    fn time_step_s(&self) -> f64;
+    fn start(&self) -> Self::State;
+    fn step(&self, state: &Self::State, position_command_m: f64, interference_a: f64) -> Self::State;
+    fn sample(state: &Self::State) -> Sample;
+    const COLUMNS: &'static [&'static str];
+}
+
+impl Plant for reference::Model {
+    type State = reference::State;
+
+    const COLUMNS: &'static [&'static str] = &["flapper_position_m", "port_1_pressure_pa", "port_2_pressure_pa"];
+
+    fn time_step_s(&self) -> f64 {
+        self.time_step_s()
+    }
+
+    fn start(&self) -> Self::State {
+        self.start()
+    }
+
+    fn step(&self, state: &Self::State, position_command_m: f64, interference_a: f64) -> Self::State {
+        self.step(state, position_command_m, interference_a)
+    }
+
+    fn sample(s: &Self::State) -> Sample {
+        [
+            s.servovalve_current_a,
+            s.pipe.load_pressure_pa(),
+            s.jack.position_m,
+            s.jack.velocity_m_per_s,
+            s.second_stage.position_m,
+            s.first_stage.position_m,
+            s.pipe.port_1_pa,
+            s.pipe.port_2_pa,
+        ]
+    }
+}
+
+/// The monitoring model with the faults of one run.
+struct MonitoringPlant {
+    model: monitoring::Model,
+    candidate: monitoring::Candidate<f64>,
+}
+
+impl Plant for MonitoringPlant {
+    type State = monitoring::State<f64>;
+
+    const COLUMNS: &'static [&'static str] = &["flapper_position_m"];
+
+    fn time_step_s(&self) -> f64 {
+        MONITORING_TIME_STEP_S
+    }
+
+    fn start(&self) -> Self::State {
+        monitoring::State::start(())
+    }
+
+    fn step(&self, state: &Self::State, position_command_m: f64, _interference_a: f64) -> Self::State {
+        self.model.step(&self.candidate, state, position_command_m, MONITORING_TIME_STEP_S)
+    }
+
+    fn sample(s: &Self::State) -> Sample {
+        [
+            s.servovalve_current_a,
+            s.load_pressure_pa,
+            s.jack_position_m,
+            s.jack_velocity_m_per_s,
+            s.spool_position_m,
+            s.flapper_position_m,
+            0.0,
+            0.0,
+        ]
+    }
+}
+
+/// Runs a model. Row k of the trace is the state after the step at k / rate (the nearest step where the rate does not
+/// divide the steps evenly).
 ///
 /// # Errors
-/// The first field out of its range, or cancellation by `watch`.
-pub fn simulate(_recipe: &Simulation, _set: &ParameterSet, _watch: &dyn Watch) -> Result<Trace, SimulationError> {
-    let channels = BTreeMap::from([Channel::PositionCommand, Channel::ServovalveCurrent].map(|c| (c, vec![0.0; 10])));
-    Ok(Trace::try_new((0..10).map(f64::from).collect(), channels, Vec::new()).expect("a valid skeleton"))
+/// The first field out of its range, a model that diverged, or cancellation by `watch`.
+pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> Result<Trace, SimulationError> {
+    if let Some(error) = recipe.check().into_iter().next() {
+        return Err(error);
+    }
+    match recipe.model {
+        ModelKind::Reference => run(&reference::Model::new(set, &recipe.faults), recipe, watch),
+        ModelKind::Monitoring => {
+            let model = monitoring::Model::new(set);
+            let candidate = model.candidate(recipe.faults.kgm, recipe.faults.fdj_n);
+            run(&MonitoringPlant { model, candidate }, recipe, watch)
+        }
+    }
+}
+
+/// The time loop.
+fn run<P: Plant>(plant: &P, recipe: &Simulation, watch: &dyn Watch) -> Result<Trace, SimulationError> {
+    let dt = plant.time_step_s();
+    // 1/dt is the whole number of steps in a second; k dt and k / that number are not the same double.
+    let steps_per_s = (1.0 / dt).round();
+    // White noise of this power, held for a time step, has the variance power / time step; mA to A.
+    let noise_a = (recipe.noise_power_ma2_s / dt).sqrt() * 1e-3;
+    let mut noise = Seed(recipe.seed).stream("current noise", 0);
+    let mut recorder = Recorder::new(recipe);
+    let mut state = plant.start();
+    let mut step: u64 = 0;
+    while let Some(due) = recorder.next_step(steps_per_s) {
+        loop {
+            let time_s = step as f64 / steps_per_s;
+            let interference_a = if noise_a > 0.0 {
+                let draw: f64 = StandardNormal.sample(&mut noise);
+                draw * noise_a
+            } else {
+                0.0
+            };
+            state = plant.step(&state, recipe.command.position_m(time_s), interference_a);
+            step += 1;
+            if step.is_multiple_of(STEPS_PER_LOOK) {
+                watch.progress(recorder.fraction());
+                if watch.cancelled() {
+                    return Err(SimulationError::Cancelled);
+                }
+            }
+            if step > due {
+                break;
+            }
+        }
+        let sample = P::sample(&state);
+        if sample.iter().any(|value| !value.is_finite()) {
+            return Err(SimulationError::Diverged { time_s: (step - 1) as f64 / steps_per_s });
+        }
+        recorder.record(recipe.command.position_m((step - 1) as f64 / steps_per_s), &sample);
+    }
+    Ok(recorder.finish(P::COLUMNS))
+}
+
+/// Keeps the samples that are due.
+struct Recorder {
+    rate_hz: f64,
+    samples: usize,
+    time_s: Vec<f64>,
+    position_command_m: Vec<f64>,
+    values: [Vec<f64>; 8],
+}
+
+impl Recorder {
+    fn new(recipe: &Simulation) -> Self {
+        // The tolerance keeps the last sample of a duration that is a whole number of samples.
+        let samples = (recipe.duration_s * recipe.sample_rate_hz + 1e-9).floor() as usize + 1;
+        let column = || Vec::with_capacity(samples);
+        Self {
+            rate_hz: recipe.sample_rate_hz,
+            samples,
+            time_s: column(),
+            position_command_m: column(),
+            values: std::array::from_fn(|_| column()),
+        }
+    }
+
+    /// The step after which the next sample is due, or `None` when all are recorded.
+    fn next_step(&self, steps_per_s: f64) -> Option<u64> {
+        let k = self.time_s.len();
+        (k < self.samples).then(|| (k as f64 / self.rate_hz * steps_per_s).round() as u64)
+    }
+
+    fn fraction(&self) -> f64 {
+        self.time_s.len() as f64 / self.samples as f64
+    }
+
+    fn record(&mut self, position_command_m: f64, sample: &Sample) {
+        self.time_s.push(self.time_s.len() as f64 / self.rate_hz);
+        self.position_command_m.push(position_command_m);
+        for (column, value) in self.values.iter_mut().zip(sample) {
+            column.push(*value);
+        }
+    }
+
+    fn finish(self, extra: &[&str]) -> Trace {
+        let [current, pressure, position, velocity, spool, rest @ ..] = self.values;
+        let channels = BTreeMap::from([
+            (Channel::PositionCommand, self.position_command_m),
+            (Channel::ServovalveCurrent, current),
+            (Channel::LoadPressure, pressure),
+            (Channel::JackPosition, position),
+            (Channel::JackVelocity, velocity),
+            (Channel::SpoolPosition, spool),
+        ]);
+        let extra = extra.iter().map(|name| (*name).to_owned()).zip(rest).collect();
+        Trace::try_new(self.time_s, channels, extra).expect("the recorder makes even, finite, complete columns")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::watch::Unwatched;
+
+    fn recipe(model: ModelKind) -> Simulation {
+        Simulation {
+            model,
+            command: Drive::Diagnostic,
+            faults: Faults::default(),
+            noise_power_ma2_s: 0.0,
+            seed: 1,
+            duration_s: 0.1,
+            sample_rate_hz: 1000.0,
+        }
+    }
+
+    #[test]
+    fn both_models_record_every_due_sample_from_time_zero() {
+        for model in [ModelKind::Reference, ModelKind::Monitoring] {
+            let trace = simulate(&recipe(model), &ParameterSet::reference(), &Unwatched).unwrap();
+            assert_eq!(trace.samples(), 101);
+            assert_eq!(trace.time_s()[100], 0.1);
+            assert_eq!(trace.position_command_m()[100], 0.1 * 0.1);
+            assert!(trace.channel(Channel::JackPosition).unwrap()[100] > 0.0);
+        }
+    }
+
+    #[test]
+    fn determinism_the_same_seed_gives_the_same_bits_and_another_does_not() {
+        let with_seed = |seed: u64| {
+            let noisy = Simulation { seed, noise_power_ma2_s: 5e-6, ..recipe(ModelKind::Reference) };
+            simulate(&noisy, &ParameterSet::reference(), &Unwatched).unwrap()
+        };
+        assert_eq!(with_seed(3), with_seed(3));
+        assert_ne!(with_seed(3), with_seed(4));
+    }
+
+    #[test]
+    fn a_rate_that_does_not_divide_the_steps_records_the_nearest_ones() {
+        let odd = Simulation { sample_rate_hz: 300.0, ..recipe(ModelKind::Reference) };
+        let trace = simulate(&odd, &ParameterSet::reference(), &Unwatched).unwrap();
+        assert_eq!(trace.samples(), 31);
+        assert!((trace.position_command_m()[1] - 0.1 / 300.0).abs() < 0.1 * 0.5e-5);
+    }
+
+    #[test]
+    fn every_field_out_of_its_range_is_named() {
+        let mut bad = recipe(ModelKind::Monitoring);
+        bad.faults = Faults { kgm: 1.5, fdj_n: 100.0, clearance_m: 1e-5, clogging: f64::NAN };
+        bad.noise_power_ma2_s = 5e-6;
+        bad.duration_s = -1.0;
+        bad.sample_rate_hz = 0.0;
+        assert_eq!(bad.check().len(), 9, "{:?}", bad.check());
+    }
+
+    #[test]
+    fn the_watch_can_end_a_run() {
+        struct Impatient;
+        impl Watch for Impatient {
+            fn progress(&self, _fraction: f64) {}
+
+            fn cancelled(&self) -> bool {
+                true
+            }
+        }
+        let long = Simulation { duration_s: 100.0, ..recipe(ModelKind::Reference) };
+        assert_eq!(simulate(&long, &ParameterSet::reference(), &Impatient), Err(SimulationError::Cancelled));
+    }
 }

@@ -1,3 +1,7 @@
 //! Numbers that know nothing of valves: lanes, seeded random streams, statistics, and the watch over long work.
 
+pub mod lane;
+pub mod rng;
+pub mod statistics;
+pub mod tanh;
 pub mod watch;

@@ -1,0 +1,125 @@
+//! `elevon estimate`: faults from traces, without a server.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, anyhow};
+use clap::Args;
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::Failure;
+use super::progress::{Bar, Part};
+use crate::estimation::{Estimate, Settings, Verdict, estimate};
+use crate::formats::{self, Format, FormatError, ReadOptions};
+use crate::models::parameters::ParameterSet;
+use crate::models::trace::Trace;
+
+/// Arguments of `elevon estimate`.
+#[derive(Debug, Args)]
+pub struct EstimateArgs {
+    /// Traces: .csv or .json by their extension
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Candidates in a generation, 4 to 1000
+    #[arg(long, value_name = "N", default_value_t = Settings::default().population)]
+    population: usize,
+    /// Generations, 0 to 1000
+    #[arg(long, value_name = "N", default_value_t = Settings::default().generations)]
+    generations: usize,
+    /// Seed of the search
+    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    seed: u64,
+    /// Other column names, as Cor:servovalve_current_ma,P12:load_pressure_pa
+    #[arg(long, value_name = "MAP", default_value = "")]
+    columns: String,
+    /// Samples per second of a file without times
+    #[arg(long, value_name = "F")]
+    sample_rate_hz: Option<f64>,
+    /// One JSON document on standard output
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was found in one file.
+#[derive(Debug, Serialize)]
+struct Report<'a> {
+    file: &'a Path,
+    #[serde(flatten)]
+    estimate: Estimate,
+    elapsed_s: f64,
+}
+
+/// Runs the command.
+pub fn run(args: &EstimateArgs) -> Result<(), Failure> {
+    let columns = ReadOptions::parse_columns(&args.columns).map_err(|errors| bad_input(&errors))?;
+    let options = ReadOptions { columns, sample_rate_hz: args.sample_rate_hz };
+    let settings = Settings { population: args.population, generations: args.generations, seed: args.seed };
+    let set = ParameterSet::reference();
+    let bar = Bar::new("estimating");
+    let parts = bar.parts(args.files.len());
+    let reports: Vec<Report<'_>> = args
+        .files
+        .par_iter()
+        .enumerate()
+        .map(|(index, file)| report(file, &options, &settings, &set, &parts.part(index)))
+        .collect::<Result<_, _>>()?;
+    bar.finish();
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&reports).map_err(Failure::work)?);
+    } else {
+        reports.iter().for_each(print);
+    }
+    Ok(())
+}
+
+fn report<'a>(
+    file: &'a Path,
+    options: &ReadOptions,
+    settings: &Settings,
+    set: &ParameterSet,
+    watch: &Part<'_>,
+) -> Result<Report<'a>, Failure> {
+    let started = Instant::now();
+    let trace = read(file, options)?;
+    let estimate = estimate(&trace, set, settings, watch).map_err(Failure::usage)?;
+    Ok(Report { file, estimate, elapsed_s: started.elapsed().as_secs_f64() })
+}
+
+fn read(file: &Path, options: &ReadOptions) -> Result<Trace, Failure> {
+    let name = file.display();
+    let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let format = Format::from_extension(extension)
+        .ok_or_else(|| Failure::usage(anyhow!("{name}: expected a name that ends in .csv or .json")))?;
+    let bytes = std::fs::read(file).with_context(|| name.to_string()).map_err(Failure::usage)?;
+    formats::read(format, &bytes, options).map_err(|errors| Failure::usage(anyhow!("{name}: {}", first_of(&errors))))
+}
+
+fn bad_input(errors: &[FormatError]) -> Failure {
+    Failure::usage(anyhow!("--{}", first_of(errors)))
+}
+
+/// The first error, and how many more there are.
+fn first_of(errors: &[FormatError]) -> String {
+    match errors {
+        [] => "cannot be read".into(),
+        [only] => only.to_string(),
+        [first, rest @ ..] => format!("{first} (and {} more)", rest.len()),
+    }
+}
+
+fn print(report: &Report<'_>) {
+    let estimate = &report.estimate;
+    println!("{}", report.file.display());
+    match (estimate.verdict, estimate.kgm, estimate.fdj_n) {
+        (Verdict::Conclusive, Some(kgm), Some(fdj_n)) => {
+            let (kgm_std, fdj_std) = (estimate.kgm_std.unwrap_or(f64::NAN), estimate.fdj_n_std.unwrap_or(f64::NAN));
+            println!("  torque-motor demagnetisation KGM  {kgm:8.4} ± {kgm_std:.4}");
+            println!("  dynamic jack friction FDJ         {fdj_n:8.1} ± {fdj_std:.1} N");
+        }
+        _ => println!("  inconclusive"),
+    }
+    estimate.reasons.iter().for_each(|reason| println!("  {reason}"));
+    let (evaluations, ms) = (estimate.evaluations, report.elapsed_s * 1e3);
+    println!("  {evaluations} model runs, seed {}, {ms:.0} ms", estimate.seed);
+}

@@ -1,0 +1,142 @@
+//! `elevon simulate`: a model makes a trace.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
+use clap::{Args, ValueEnum};
+
+use super::Failure;
+use super::progress::Bar;
+use crate::formats::{self, Format};
+use crate::models::drive::Drive;
+use crate::models::fault::{FDJ_NOMINAL_N, Faults};
+use crate::models::parameters::ParameterSet;
+use crate::models::simulate::{ModelKind, Simulation, simulate};
+
+/// Arguments of `elevon simulate`.
+#[derive(Debug, Args)]
+pub struct SimulateArgs {
+    /// The model to run
+    #[arg(long)]
+    model: Model,
+    /// diagnostic, step:LEVEL, ramp:SLOPE, sine:AMPLITUDE@HZ or sequence:LEVEL@TIME,... (m, m/s, Hz, s)
+    #[arg(long, value_name = "SPEC", allow_hyphen_values = true)]
+    command: Drive,
+    /// Torque-motor demagnetisation, 0 to 1
+    #[arg(long, value_name = "F", default_value_t = 0.0, allow_negative_numbers = true)]
+    kgm: f64,
+    /// Dynamic jack friction, N, 200 to 2000
+    #[arg(long, value_name = "F", default_value_t = FDJ_NOMINAL_N, allow_negative_numbers = true)]
+    fdj_n: f64,
+    /// Another fault: kgm, fdj (N), clearance (m) or clogging (0 to 1)
+    #[arg(long = "fault", value_name = "NAME=VALUE", value_parser = parse_fault)]
+    faults: Vec<(Fault, f64)>,
+    /// Power of the white noise on the current, mA² s; 5e-6 in the thesis
+    #[arg(long, value_name = "F", default_value_t = 0.0, allow_negative_numbers = true)]
+    noise_power: f64,
+    /// Seed of the noise
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Length of the trace, s
+    #[arg(long, value_name = "S", default_value_t = 6.0, allow_negative_numbers = true)]
+    duration: f64,
+    /// Samples per second
+    #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_negative_numbers = true)]
+    sample_rate: f64,
+    /// Where to: .csv or .json by its extension; - is CSV on standard output
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Model {
+    Reference,
+    Monitoring,
+}
+
+/// The faults that `--fault` knows.
+#[derive(Debug, Clone, Copy)]
+enum Fault {
+    Kgm,
+    Fdj,
+    Clearance,
+    Clogging,
+}
+
+fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
+    let fault = match name {
+        "kgm" => Fault::Kgm,
+        "fdj" => Fault::Fdj,
+        "clearance" => Fault::Clearance,
+        "clogging" => Fault::Clogging,
+        _ => return Err(format!("found the fault {name:?}, expected kgm, fdj, clearance or clogging")),
+    };
+    let value = value.parse().map_err(|_| format!("{name}: found {value:?}, expected a number"))?;
+    Ok((fault, value))
+}
+
+/// Runs the command.
+pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
+    let format = output_format(&args.out)?;
+    let recipe = recipe(args);
+    if let Some(error) = recipe.check().into_iter().next() {
+        return Err(Failure::usage(error));
+    }
+    let bar = Bar::new("simulating");
+    let trace = simulate(&recipe, &ParameterSet::reference(), &bar).map_err(Failure::work)?;
+    bar.finish();
+    write(&args.out, &formats::write(format, &trace)).map_err(Failure::work)
+}
+
+fn recipe(args: &SimulateArgs) -> Simulation {
+    let mut faults = Faults { kgm: args.kgm, fdj_n: args.fdj_n, ..Faults::default() };
+    for &(fault, value) in &args.faults {
+        match fault {
+            Fault::Kgm => faults.kgm = value,
+            Fault::Fdj => faults.fdj_n = value,
+            Fault::Clearance => faults.clearance_m = value,
+            Fault::Clogging => faults.clogging = value,
+        }
+    }
+    Simulation {
+        model: match args.model {
+            Model::Reference => ModelKind::Reference,
+            Model::Monitoring => ModelKind::Monitoring,
+        },
+        command: args.command.clone(),
+        faults,
+        noise_power_ma2_s: args.noise_power,
+        seed: args.seed,
+        duration_s: args.duration,
+        sample_rate_hz: args.sample_rate,
+    }
+}
+
+fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn output_format(path: &Path) -> Result<Format, Failure> {
+    if is_stdout(path) {
+        return Ok(Format::Csv);
+    }
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    Format::from_extension(extension).ok_or_else(|| {
+        Failure::usage(anyhow!("--out: found {}, expected a name that ends in .csv or .json, or -", path.display()))
+    })
+}
+
+fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    if is_stdout(path) {
+        match io::stdout().lock().write_all(bytes) {
+            // Whoever reads standard output has seen enough.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            other => other.context("standard output"),
+        }
+    } else {
+        fs::write(path, bytes).with_context(|| path.display().to_string())
+    }
+}

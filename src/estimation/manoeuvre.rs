@@ -1,0 +1,176 @@
+//! What a recorded command does: holds, ramps and jumps, and among them the manoeuvres that show the faults.
+
+/// A slope above this is a jump, m/s: no jack follows it.
+const JUMP_M_PER_S: f64 = 0.5;
+/// The least slope of a ramp, m/s.
+const RAMP_MIN_M_PER_S: f64 = 0.005;
+/// The least height of a step, m.
+const STEP_MIN_M: f64 = 0.02;
+/// How far a straight piece may stray from its chord, as a part of the command's range.
+const STRAY: f64 = 1e-3;
+/// The least length of a ramp whose end is steady, s.
+const RAMP_MIN_S: f64 = 1.0;
+/// The current's window: from and to before the ramp's end, s (section 7.2: 1.8 to 1.9 s of a ramp that ends at 2 s).
+const CURRENT_WINDOW_S: (f64, f64) = (0.2, 0.1);
+/// The pressure's window: its middle after the step and half its width, s (section 7.2).
+const PRESSURE_WINDOW_S: (f64, f64) = (1.1, 0.01);
+
+/// A stretch of time, s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// Its start, s.
+    pub from_s: f64,
+    /// Its end, s.
+    pub to_s: f64,
+}
+
+/// Where in a trace the two features of section 6.3 are found.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Manoeuvres {
+    /// The end of the longest ramp, where the current is steady.
+    pub current: Option<Window>,
+    /// A second after the last step, where the jack creeps.
+    pub pressure: Option<Window>,
+}
+
+/// A straight piece of a command, by the indices of its first and last sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Piece {
+    first: usize,
+    last: usize,
+}
+
+/// Finds the manoeuvres in a recorded command.
+#[must_use]
+pub fn find(time_s: &[f64], command_m: &[f64]) -> Manoeuvres {
+    let pieces = straight_pieces(time_s, command_m);
+    let slope = |p: &Piece| (command_m[p.last] - command_m[p.first]) / (time_s[p.last] - time_s[p.first]);
+    let length = |p: &Piece| time_s[p.last] - time_s[p.first];
+    let is_ramp = |p: &&Piece| {
+        let steepness = slope(p).abs();
+        (RAMP_MIN_M_PER_S..=JUMP_M_PER_S).contains(&steepness) && length(p) >= RAMP_MIN_S - step_s(time_s, p)
+    };
+    let longest = pieces.iter().filter(is_ramp).max_by(|a, b| length(a).total_cmp(&length(b)));
+    let current = longest.map(|ramp| {
+        // The ramp ends where the next piece begins; the sample there belongs to what follows a jump.
+        let end_s = time_s[ramp.last] + step_s(time_s, ramp);
+        Window { from_s: end_s - CURRENT_WINDOW_S.0, to_s: end_s - CURRENT_WINDOW_S.1 }
+    });
+    let half_s = |p: &Piece| PRESSURE_WINDOW_S.1.max(2.5 * step_s(time_s, p));
+    let is_step = |pair: &&[Piece]| {
+        let (jump, hold) = (&pair[0], &pair[1]);
+        slope(jump).abs() > JUMP_M_PER_S
+            && (command_m[jump.last] - command_m[jump.first]).abs() >= STEP_MIN_M
+            && slope(hold).abs() < RAMP_MIN_M_PER_S
+            && length(hold) >= PRESSURE_WINDOW_S.0 + half_s(hold)
+    };
+    let pressure = pieces.windows(2).rfind(is_step).map(|pair| {
+        let middle_s = time_s[pair[0].last] + PRESSURE_WINDOW_S.0;
+        let half_s = half_s(&pair[1]);
+        Window { from_s: middle_s - half_s, to_s: middle_s + half_s }
+    });
+    Manoeuvres { current, pressure }
+}
+
+/// The command at even times, m: linear between samples, but held over a jump until the sample that ends it.
+#[must_use]
+pub fn resample(time_s: &[f64], command_m: &[f64], time_step_s: f64, end_s: f64) -> Vec<f64> {
+    let steps = ((end_s - time_s[0]) / time_step_s).round() as usize + 1;
+    let mut right = 1;
+    (0..steps)
+        .map(|step| {
+            let at_s = time_s[0] + step as f64 * time_step_s;
+            while right + 1 < time_s.len() && time_s[right] <= at_s + 1e-9 {
+                right += 1;
+            }
+            let (left_s, right_s) = (time_s[right - 1], time_s[right]);
+            let rise_m = command_m[right] - command_m[right - 1];
+            if rise_m.abs() > JUMP_M_PER_S * (right_s - left_s) && at_s + 1e-9 < right_s {
+                command_m[right - 1]
+            } else {
+                command_m[right - 1] + rise_m * ((at_s - left_s) / (right_s - left_s)).clamp(0.0, 1.0)
+            }
+        })
+        .collect()
+}
+
+/// The mean sampling step of a piece, s.
+fn step_s(time_s: &[f64], piece: &Piece) -> f64 {
+    (time_s[piece.last] - time_s[piece.first]) / (piece.last - piece.first) as f64
+}
+
+/// Cuts a command into straight pieces where it strays most from a chord (Ramer, Douglas and Peucker).
+fn straight_pieces(time_s: &[f64], command_m: &[f64]) -> Vec<Piece> {
+    let (low, high) = command_m.iter().fold((f64::MAX, f64::MIN), |(l, h), &c| (l.min(c), h.max(c)));
+    let stray_max_m = (STRAY * (high - low)).max(1e-9);
+    let mut pieces = Vec::new();
+    let mut open = vec![Piece { first: 0, last: time_s.len() - 1 }];
+    while let Some(piece) = open.pop() {
+        let Piece { first, last } = piece;
+        let slope = (command_m[last] - command_m[first]) / (time_s[last] - time_s[first]);
+        let stray_m = |i: usize| (command_m[i] - command_m[first] - slope * (time_s[i] - time_s[first])).abs();
+        let worst = (first + 1..last).max_by(|&a, &b| stray_m(a).total_cmp(&stray_m(b)));
+        match worst.filter(|&i| stray_m(i) > stray_max_m) {
+            Some(cut) => open.extend([Piece { first: cut, last }, Piece { first, last: cut }]),
+            None => pieces.push(piece),
+        }
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::drive::Drive;
+
+    fn sampled(command: &str, duration_s: f64, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
+        let drive: Drive = command.parse().unwrap();
+        let time_s: Vec<f64> = (0..=(duration_s * rate_hz) as usize).map(|k| k as f64 / rate_hz).collect();
+        let command_m = time_s.iter().map(|&t| drive.position_m(t)).collect();
+        (time_s, command_m)
+    }
+
+    fn found(command: &str, duration_s: f64, rate_hz: f64) -> Manoeuvres {
+        let (time_s, command_m) = sampled(command, duration_s, rate_hz);
+        find(&time_s, &command_m)
+    }
+
+    #[test]
+    fn validate_section_7_2_the_windows_of_the_diagnostic_command_are_the_thesis_s_at_any_rate() {
+        for rate_hz in [200.0, 1000.0, 2500.0, 100_000.0] {
+            let m = found("diagnostic", 6.0, rate_hz);
+            let (current, pressure) = (m.current.unwrap(), m.pressure.unwrap());
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+            assert!(near(current.from_s, 1.8) && near(current.to_s, 1.9), "{rate_hz}: {current:?}");
+            assert!(near(0.5 * (pressure.from_s + pressure.to_s), 5.1), "{rate_hz}: {pressure:?}");
+        }
+    }
+
+    #[test]
+    fn idle_sine_and_short_commands_have_no_manoeuvre() {
+        assert_eq!(found("step:0", 6.0, 1000.0), Manoeuvres::default());
+        assert_eq!(found("sine:0.05@0.5", 6.0, 1000.0), Manoeuvres::default());
+        assert_eq!(found("diagnostic", 0.9, 1000.0), Manoeuvres::default());
+        assert_eq!(found("sequence:0.05@1,0@1.5", 2.0, 1000.0), Manoeuvres::default());
+    }
+
+    #[test]
+    fn a_ramp_alone_has_a_current_window_and_a_step_alone_a_pressure_window() {
+        assert!(matches!(found("ramp:-0.1", 2.0, 1000.0), Manoeuvres { current: Some(_), pressure: None }));
+        let step = found("sequence:0.1@1", 3.0, 1000.0);
+        assert!(step.current.is_none() && (step.pressure.unwrap().from_s - 2.09).abs() < 1e-9, "{step:?}");
+    }
+
+    #[test]
+    fn resampling_returns_the_command_and_keeps_a_step_at_its_time() {
+        let (time_s, command_m) = sampled("diagnostic", 6.0, 1000.0);
+        let drive: Drive = "diagnostic".parse().unwrap();
+        let fine = resample(&time_s, &command_m, 2.5e-4, 5.11);
+        assert_eq!(fine.len(), 20_441);
+        for (step, value) in fine.iter().enumerate() {
+            let at_s = step as f64 * 2.5e-4;
+            let before_the_jump = (1.999..2.0).contains(&at_s);
+            assert!((value - drive.position_m(at_s)).abs() < if before_the_jump { 1e-4 } else { 1e-12 }, "{at_s}");
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The search for the faults: the thesis's objective, its genetic algorithm, a local polish.
+
+use super::evaluate::{Evaluator, Proposal};
+use super::features::{Features, Measured};
+use super::{EstimationError, Settings};
+use crate::models::fault::{FDJ_MAX_N, FDJ_NOMINAL_N};
+use crate::models::monitoring::Bias;
+use crate::numeric::rng::Seed;
+use crate::numeric::watch::Watch;
+use crate::optimiser::genetic::{self, Genetic};
+use crate::optimiser::polish::simplex::{self, Simplex};
+use crate::optimiser::{Best, Bounds, Candidate, Search};
+
+/// Weight of the current in the objective, 1/mA (section 7.2).
+const CURRENT_WEIGHT_PER_MA: f64 = 10.0;
+/// Weight of the pressure in the objective, 1/Pa (section 7.2).
+const PRESSURE_WEIGHT_PER_PA: f64 = 1e-4;
+/// The polish: it ends within 1e-6 of the ranges, or at a cost that stands for 1e-5 mA or 1 Pa.
+const POLISH: simplex::Settings =
+    simplex::Settings { width: 0.02, width_min: 1e-6, iterations: 200, cost_enough: 1e-4 };
+/// The share of the progress that the genetic algorithm makes; the polish makes the rest.
+const GENETIC_PROGRESS: f64 = 0.7;
+
+/// What a search found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// The best candidate.
+    pub proposal: Proposal,
+    /// Its objective.
+    pub cost: f64,
+    /// Model runs made.
+    pub evaluations: u64,
+}
+
+/// The thesis's objective (figure 7.16), with a ratio in place of its 0.15 mA.
+#[must_use]
+pub fn objective(measured: &Features, modelled: &Features, bias: &Bias) -> f64 {
+    let current_a = measured.servovalve_current_a - bias.current_ratio * modelled.servovalve_current_a;
+    let pressure_pa = measured.load_pressure_pa - modelled.load_pressure_pa;
+    PRESSURE_WEIGHT_PER_PA * pressure_pa.abs() + CURRENT_WEIGHT_PER_MA * (current_a * 1e3).abs()
+}
+
+/// Searches the thesis's bounds: KGM 0 to 1, FDJ 200 to 2000 N.
+///
+/// # Errors
+/// Cancellation by `watch`.
+pub fn search(
+    evaluator: &Evaluator,
+    measured: &Measured,
+    bias: &Bias,
+    settings: &Settings,
+    watch: &dyn Watch,
+) -> Result<Found, EstimationError> {
+    let bounds = Bounds::new(&[(0.0, 1.0), (FDJ_NOMINAL_N, FDJ_MAX_N)]);
+    let costs = |candidates: &[Candidate]| -> Vec<f64> {
+        let proposals: Vec<Proposal> = candidates.iter().map(|c| Proposal { kgm: c[0], fdj_n: c[1] }).collect();
+        let features = evaluator.features(&proposals);
+        features.iter().map(|modelled| objective(&measured.features, modelled, bias)).collect()
+    };
+    let genetic = genetic::Settings { population: settings.population, generations: settings.generations };
+    let rounds = settings.generations + 1;
+    let mut evaluations = 0;
+    let mut genetic = Genetic::new(&bounds, genetic, Seed(settings.seed));
+    let first =
+        drive(&mut genetic, &costs, &mut evaluations, watch, |round| GENETIC_PROGRESS * round as f64 / rounds as f64)?;
+    let mut simplex = Simplex::new(&bounds, &first.candidate, POLISH);
+    let polished = drive(&mut simplex, &costs, &mut evaluations, watch, |round| {
+        GENETIC_PROGRESS + (1.0 - GENETIC_PROGRESS) * round as f64 / POLISH.iterations as f64
+    })?;
+    let best = if polished.cost < first.cost { polished } else { first };
+    let proposal = Proposal { kgm: best.candidate[0], fdj_n: best.candidate[1] };
+    Ok(Found { proposal, cost: best.cost, evaluations })
+}
+
+/// Runs a search to its end.
+fn drive(
+    search: &mut impl Search,
+    costs: &impl Fn(&[Candidate]) -> Vec<f64>,
+    evaluations: &mut u64,
+    watch: &dyn Watch,
+    fraction: impl Fn(usize) -> f64,
+) -> Result<Best, EstimationError> {
+    for round in 1.. {
+        if search.stop().is_some() {
+            break;
+        }
+        if watch.cancelled() {
+            return Err(EstimationError::Cancelled);
+        }
+        let asked = search.ask();
+        *evaluations += asked.len() as u64;
+        let told = costs(asked);
+        search.tell(&told);
+        watch.progress(fraction(round).min(1.0));
+    }
+    Ok(search.best().clone())
+}

@@ -1,0 +1,135 @@
+//! The reference (high-fidelity) model of the thesis's chapter 4: one scenario at a time, in plain numbers.
+//!
+//! Source: chapter 4, stepped semi-implicitly in the order of the block diagram (figure 4.1).
+//! Signs: docs/conventions.md.
+//! Range: time steps up to 2e-5 s; beyond, the stick-slip at high friction changes its mean.
+//! Limits: proportional control, fixed torque-motor gain, constant oil properties and supply.
+
+pub mod first_stage;
+pub mod jack;
+pub mod passages;
+pub mod pipe;
+pub mod second_stage;
+
+use serde::{Deserialize, Serialize};
+
+use super::blocks::{controller, torque_motor};
+use super::fault::Faults;
+use super::parameters::{Checks, ParameterSet};
+
+/// What the reference model has of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Params {
+    /// Time step, s.
+    #[doc(alias = "DT")]
+    pub time_step_s: f64,
+    /// The flapper.
+    pub first_stage: first_stage::Params,
+    /// The spool.
+    pub second_stage: second_stage::Params,
+    /// Oil, passages and pipes.
+    pub fluid: passages::Params,
+}
+
+impl Params {
+    pub(crate) fn check(&self, checks: &mut Checks) {
+        checks.within("reference.time_step_s", self.time_step_s, 1e-7, 2e-5, "s");
+        self.first_stage.check(checks);
+        self.second_stage.check(checks);
+        self.fluid.check(checks);
+    }
+}
+
+/// A reference model with its faults built in, ready to run.
+#[derive(Debug, Clone)]
+pub struct Model {
+    time_step_s: f64,
+    controller: controller::Params,
+    torque_motor: torque_motor::Params,
+    demagnetisation: f64,
+    first_stage: first_stage::Block,
+    second_stage: second_stage::Block,
+    passages: passages::Block,
+    pipe: pipe::Block,
+    jack: jack::Block,
+    start_pressure_pa: f64,
+}
+
+/// Everything that survives a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct State {
+    /// Flapper.
+    pub first_stage: first_stage::State,
+    /// Spool.
+    pub second_stage: second_stage::State,
+    /// Pipe capacities.
+    pub pipe: pipe::State,
+    /// Jack.
+    pub jack: jack::State,
+    /// Current in the torque motor, A.
+    pub servovalve_current_a: f64,
+    /// Flow into the jack as the spool felt it last, m³/s.
+    pub jack_flow_m3_per_s: f64,
+}
+
+impl Model {
+    /// The model of a parameter set with these faults.
+    #[must_use]
+    pub fn new(set: &ParameterSet, faults: &Faults) -> Self {
+        let own = set.reference_model();
+        let mut fluid = own.fluid;
+        fluid.clearance_extra_m += faults.clearance_m;
+        let mut second_stage = own.second_stage;
+        second_stage.filter_clogging = 1.0 - (1.0 - second_stage.filter_clogging) * (1.0 - faults.clogging);
+        let supply_differential_pa = fluid.supply_pressure_pa - fluid.return_pressure_pa;
+        Self {
+            time_step_s: own.time_step_s,
+            controller: *set.controller(),
+            torque_motor: *set.torque_motor(),
+            demagnetisation: faults.kgm,
+            first_stage: first_stage::Block::new(&own.first_stage),
+            second_stage: second_stage::Block::new(&second_stage, supply_differential_pa),
+            passages: passages::Block::new(&fluid),
+            pipe: pipe::Block::new(&fluid),
+            jack: jack::Block::new(set.jack(), faults.fdj_n),
+            start_pressure_pa: 0.5 * (fluid.supply_pressure_pa + fluid.return_pressure_pa),
+        }
+    }
+
+    /// The time step, s.
+    #[must_use]
+    pub fn time_step_s(&self) -> f64 {
+        self.time_step_s
+    }
+
+    /// Everything at rest at zero, both chambers halfway between supply and return.
+    #[must_use]
+    pub fn start(&self) -> State {
+        State {
+            first_stage: first_stage::State::default(),
+            second_stage: second_stage::State::default(),
+            pipe: pipe::State::at_rest(self.start_pressure_pa),
+            jack: jack::State::default(),
+            servovalve_current_a: 0.0,
+            jack_flow_m3_per_s: 0.0,
+        }
+    }
+
+    /// One time step, in signal order.
+    #[inline]
+    #[must_use]
+    pub fn step(&self, s: &State, position_command_m: f64, interference_a: f64) -> State {
+        let dt = self.time_step_s;
+        let asked_a = controller::step(&self.controller, position_command_m, s.jack.position_m);
+        let current_a = torque_motor::current(&self.torque_motor, asked_a, interference_a);
+        let force_n = torque_motor::force(&self.torque_motor, current_a, self.demagnetisation);
+        let first_stage = self.first_stage.step(&s.first_stage, force_n, s.second_stage.position_m, dt);
+        let second_stage = self.second_stage.step(&s.second_stage, first_stage.position_m, s.jack_flow_m3_per_s, dt);
+        let flows = self.passages.step(second_stage.position_m, s.pipe.port_1_pa, s.pipe.port_2_pa);
+        let jack_flow = self.jack.flow_m3_per_s(&s.jack);
+        let pipe = self.pipe.step(&s.pipe, &flows, jack_flow, dt);
+        let jack = self.jack.step(&s.jack, pipe.load_pressure_pa(), dt);
+        State { first_stage, second_stage, pipe, jack, servovalve_current_a: current_a, jack_flow_m3_per_s: jack_flow }
+    }
+}

@@ -1,0 +1,231 @@
+//! The four passages between the spool's edges and the sleeve: how much oil flows through each.
+//!
+//! Source: section 4.1.3, figures 4.10 to 4.13, with the corrections of docs/conventions.md.
+//! Signs: each flow is positive from supply to chamber or from chamber to return.
+//! Range: any pressures; a flow is zero where its pressure drop is.
+//! Limits: one density and viscosity, no temperature; the same geometry at all four edges.
+
+use serde::{Deserialize, Serialize};
+
+use crate::models::parameters::Checks;
+
+/// Oil, passages and pipe capacities.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Params {
+    /// Absolute supply pressure, Pa.
+    #[doc(alias = "PS")]
+    pub supply_pressure_pa: f64,
+    /// Absolute return pressure, Pa.
+    #[doc(alias = "PR")]
+    pub return_pressure_pa: f64,
+    /// Density, kg/m³.
+    pub density_kg_per_m3: f64,
+    /// Kinematic viscosity, m²/s.
+    pub kinematic_viscosity_m2_per_s: f64,
+    /// Circumferential opening, m.
+    #[doc(alias = "w")]
+    pub port_width_m: f64,
+    /// Radial clearance, m.
+    #[doc(alias = "HSV")]
+    pub radial_clearance_m: f64,
+    /// Wear factor on the clearance, dimensionless.
+    #[doc(alias = "Khsv")]
+    pub clearance_factor: f64,
+    /// Clearance beyond the nominal one, m.
+    pub clearance_extra_m: f64,
+    /// Eccentricity of spool in sleeve over clearance, 0 to 1.
+    pub eccentricity_ratio: f64,
+    /// Overlap on the supply side, m; negative for an underlap.
+    #[doc(alias = "OSSV")]
+    pub overlap_supply_m: f64,
+    /// Overlap on the return side, m; negative for an underlap.
+    #[doc(alias = "ORSV")]
+    pub overlap_return_m: f64,
+    /// Discharge coefficient in turbulent flow, dimensionless.
+    #[doc(alias = "Cd")]
+    pub discharge_coefficient: f64,
+    /// Reynolds number at which the discharge coefficient has fallen to 1/sqrt 2 of that, dimensionless.
+    pub transition_reynolds: f64,
+    /// Correction of the discharge coefficient when the passage is closed, dimensionless.
+    pub discharge_geometry_correction: f64,
+    /// Bulk modulus, Pa.
+    #[doc(alias = "Bet")]
+    pub bulk_modulus_pa: f64,
+    /// Volume of one capacity, m³.
+    #[doc(alias = "Vol")]
+    pub chamber_volume_m3: f64,
+    /// Leakage past the piston per pressure, m³/(s Pa).
+    #[doc(alias = "Clk")]
+    pub leakage_m3_per_s_per_pa: f64,
+    /// Vapour pressure, Pa.
+    #[doc(alias = "PVap")]
+    pub vapour_pressure_pa: f64,
+}
+
+impl Params {
+    pub(crate) fn check(&self, checks: &mut Checks) {
+        let supply_min_pa = self.return_pressure_pa + 1e4;
+        checks.within("reference.fluid.supply_pressure_pa", self.supply_pressure_pa, supply_min_pa, 1e9, "Pa");
+        checks.within("reference.fluid.return_pressure_pa", self.return_pressure_pa, 0.0, 1e8, "Pa");
+        checks.within("reference.fluid.density_kg_per_m3", self.density_kg_per_m3, 100.0, 5000.0, "kg/m3");
+        let viscosity = self.kinematic_viscosity_m2_per_s;
+        checks.within("reference.fluid.kinematic_viscosity_m2_per_s", viscosity, 1e-7, 1e-1, "m2/s");
+        checks.within("reference.fluid.port_width_m", self.port_width_m, 1e-5, 1.0, "m");
+        checks.within("reference.fluid.radial_clearance_m", self.radial_clearance_m, 1e-7, 1e-3, "m");
+        checks.within("reference.fluid.clearance_factor", self.clearance_factor, 0.1, 100.0, "");
+        checks.within("reference.fluid.clearance_extra_m", self.clearance_extra_m, 0.0, 1e-3, "m");
+        checks.within("reference.fluid.eccentricity_ratio", self.eccentricity_ratio, 0.0, 1.0, "");
+        checks.within("reference.fluid.overlap_supply_m", self.overlap_supply_m, -1e-3, 1e-3, "m");
+        checks.within("reference.fluid.overlap_return_m", self.overlap_return_m, -1e-3, 1e-3, "m");
+        checks.within("reference.fluid.discharge_coefficient", self.discharge_coefficient, 0.1, 1.0, "");
+        checks.within("reference.fluid.transition_reynolds", self.transition_reynolds, 0.0, 1e5, "");
+        let correction = self.discharge_geometry_correction;
+        checks.within("reference.fluid.discharge_geometry_correction", correction, -0.9, 0.9, "");
+        checks.within("reference.fluid.bulk_modulus_pa", self.bulk_modulus_pa, 1e7, 1e11, "Pa");
+        checks.within("reference.fluid.chamber_volume_m3", self.chamber_volume_m3, 1e-6, 1.0, "m3");
+        let leakage = self.leakage_m3_per_s_per_pa;
+        checks.within("reference.fluid.leakage_m3_per_s_per_pa", leakage, 0.0, 1e-8, "m3/(s Pa)");
+        let vapour_max_pa = self.return_pressure_pa.max(1.0);
+        checks.within("reference.fluid.vapour_pressure_pa", self.vapour_pressure_pa, 0.0, vapour_max_pa, "Pa");
+    }
+}
+
+/// The flows through the four passages, m³/s.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Flows {
+    /// Supply to chamber 1 (Q1S).
+    pub supply_to_1: f64,
+    /// Chamber 1 to return (Q1R).
+    pub from_1_to_return: f64,
+    /// Supply to chamber 2 (Q2S).
+    pub supply_to_2: f64,
+    /// Chamber 2 to return (Q2R).
+    pub from_2_to_return: f64,
+}
+
+/// The passages with what can be worked out before a run.
+#[derive(Debug, Clone, Copy)]
+pub struct Block {
+    supply_pa: f64,
+    return_pa: f64,
+    overlap_supply_m: f64,
+    overlap_return_m: f64,
+    clearance_squared_m2: f64,
+    /// 12 mu/(w c³ (1 + 1.5 (e/c)²)): laminar resistance per metre of covered length, Pa s/m⁴.
+    laminar_per_length: f64,
+    /// 2/rho, m³/kg.
+    two_over_density: f64,
+    /// 2/nu, s/m².
+    two_over_viscosity: f64,
+    transition_reynolds: f64,
+    /// g c²: the geometric correction times the squared clearance, m².
+    correction_m2: f64,
+    /// rho/(2 Cd² w²), the quadratic resistance of a passage of unit gap, kg/m⁵.
+    quadratic: f64,
+}
+
+impl Block {
+    /// Prepares the block.
+    #[must_use]
+    pub fn new(p: &Params) -> Self {
+        let clearance_m = p.radial_clearance_m * p.clearance_factor + p.clearance_extra_m;
+        let dynamic_viscosity_pa_s = p.kinematic_viscosity_m2_per_s * p.density_kg_per_m3;
+        let eccentric = 1.0 + 1.5 * p.eccentricity_ratio * p.eccentricity_ratio;
+        let discharge_width = p.discharge_coefficient * p.port_width_m;
+        Self {
+            supply_pa: p.supply_pressure_pa,
+            return_pa: p.return_pressure_pa,
+            overlap_supply_m: p.overlap_supply_m,
+            overlap_return_m: p.overlap_return_m,
+            clearance_squared_m2: clearance_m * clearance_m,
+            laminar_per_length: 12.0 * dynamic_viscosity_pa_s / (p.port_width_m * clearance_m.powi(3) * eccentric),
+            two_over_density: 2.0 / p.density_kg_per_m3,
+            two_over_viscosity: 2.0 / p.kinematic_viscosity_m2_per_s,
+            transition_reynolds: p.transition_reynolds,
+            correction_m2: p.discharge_geometry_correction * clearance_m * clearance_m,
+            quadratic: p.density_kg_per_m3 / (2.0 * discharge_width * discharge_width),
+        }
+    }
+
+    /// The flows with the spool and the pressures where they are.
+    #[inline]
+    #[must_use]
+    pub fn step(&self, spool_position_m: f64, port_1_pa: f64, port_2_pa: f64) -> Flows {
+        Flows {
+            supply_to_1: self.flow(self.overlap_supply_m - spool_position_m, self.supply_pa - port_1_pa),
+            from_1_to_return: self.flow(self.overlap_return_m + spool_position_m, port_1_pa - self.return_pa),
+            supply_to_2: self.flow(self.overlap_supply_m + spool_position_m, self.supply_pa - port_2_pa),
+            from_2_to_return: self.flow(self.overlap_return_m - spool_position_m, port_2_pa - self.return_pa),
+        }
+    }
+
+    /// The flow through one passage, m³/s: the root of dp = RL Q + RQ Q|Q|, in the form that has no 0/0 where RL is
+    /// zero. `covered_m` (X0) is the covered length, negative where the passage is open.
+    #[inline]
+    fn flow(&self, covered_m: f64, drop_pa: f64) -> f64 {
+        if drop_pa == 0.0 {
+            return 0.0;
+        }
+        let magnitude_pa = drop_pa.abs();
+        let opening_m = (-covered_m).max(0.0);
+        let gap_squared_m2 = self.clearance_squared_m2 + opening_m * opening_m;
+        let laminar = self.laminar_per_length * covered_m.max(0.0);
+        let speed_squared = self.two_over_density * magnitude_pa;
+        let reynolds = self.two_over_viscosity * (gap_squared_m2 * speed_squared).sqrt();
+        let geometry = 1.0 + self.correction_m2 / gap_squared_m2;
+        // RQ |dp| with Cd² = Cd_inf² Re/(Re + Re_t) geometry².
+        let quadratic_pa = self.quadratic * (reynolds + self.transition_reynolds) * magnitude_pa
+            / (reynolds * geometry * geometry * gap_squared_m2);
+        let flow = 2.0 * magnitude_pa / (laminar + (laminar * laminar + 4.0 * quadratic_pa).sqrt());
+        flow.copysign(drop_pa)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::parameters::ParameterSet;
+
+    fn params() -> Params {
+        ParameterSet::reference().reference_model().fluid
+    }
+
+    #[test]
+    fn the_flow_satisfies_the_thesis_s_pressure_balance() {
+        // Section 4.1.3: dp = RL Q + RQ Q|Q|, evaluated independently of the solver's rearranged terms.
+        let p = params();
+        let block = Block::new(&p);
+        for (covered_m, drop_pa) in [(7e-6, 1e7), (-2e-4, 1e7), (-2e-4, -3e5), (3e-4, 2e7), (0.0, 1e3)] {
+            let q = block.flow(covered_m, drop_pa);
+            let c = p.radial_clearance_m;
+            let s2 = c * c + f64::min(covered_m, 0.0).powi(2);
+            let mu = p.kinematic_viscosity_m2_per_s * p.density_kg_per_m3;
+            let rl = 12.0 * mu * f64::max(covered_m, 0.0) / (p.port_width_m * c.powi(3));
+            let re =
+                2.0 * s2.sqrt() * (2.0 * drop_pa.abs() / p.density_kg_per_m3).sqrt() / p.kinematic_viscosity_m2_per_s;
+            let cd = p.discharge_coefficient
+                * (re / (re + p.transition_reynolds)).sqrt()
+                * (1.0 + p.discharge_geometry_correction * c * c / s2);
+            let rq = p.density_kg_per_m3 / (2.0 * cd * cd * p.port_width_m.powi(2) * s2);
+            let balance = rl * q + rq * q * q.abs();
+            assert!((balance - drop_pa).abs() < 1e-9 * drop_pa.abs(), "{covered_m} {drop_pa}: {balance}");
+        }
+    }
+
+    #[test]
+    fn a_centred_spool_between_equal_pressures_feeds_no_one() {
+        let flows = Block::new(&params()).step(0.0, 10.6e6, 10.6e6);
+        assert_eq!(flows.supply_to_1, flows.supply_to_2);
+        assert_eq!(flows.from_1_to_return, flows.from_2_to_return);
+        assert!((flows.supply_to_1 - flows.from_1_to_return).abs() < 1e-12 * flows.supply_to_1);
+    }
+
+    #[test]
+    fn validate_section_7_2_more_clearance_leaks_more() {
+        let mut worn = params();
+        worn.clearance_extra_m = 30e-6;
+        let nominal = Block::new(&params()).step(0.0, 10.6e6, 10.6e6).supply_to_1;
+        assert!(Block::new(&worn).step(0.0, 10.6e6, 10.6e6).supply_to_1 > 4.0 * nominal);
+    }
+}

@@ -1,0 +1,3 @@
+//! Local search from a good start.
+
+pub mod simplex;
