@@ -77,7 +77,7 @@ pub enum Work {
 #[derive(Debug, Clone)]
 pub enum Finding {
     /// An estimate.
-    Estimation(estimate::EstimationResult),
+    Estimation(Box<estimate::EstimationResult>),
     /// A trace, written.
     Simulation(simulate::Written),
 }
@@ -103,7 +103,9 @@ pub struct Models;
 impl Compute for Models {
     fn compute(&self, work: Work, watch: &dyn Watch) -> Result<Finding, RunError> {
         match work {
-            Work::Estimation(input) => estimate::compute(&input, watch).map(Finding::Estimation),
+            Work::Estimation(input) => {
+                estimate::compute(&input, watch).map(|result| Finding::Estimation(Box::new(result)))
+            }
             Work::Simulation(recipe) => simulate::compute(&recipe, watch).map(Finding::Simulation),
         }
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, LazyLock, Mutex};
 
 use elevon::estimation::Settings;
 use elevon::formats::{Format, write};
@@ -11,9 +11,10 @@ use elevon::jobs::dispatch::{Dispatch, InProcess};
 use elevon::jobs::kind::{JobSpec, SimulationSpec};
 use elevon::jobs::run::{Compute, Finding, Models, RunError, Work};
 use elevon::jobs::{JobSettings, Jobs, Step};
+use elevon::models::drive::Drive;
 use elevon::models::fault::Faults;
-use elevon::models::simulate::ModelKind;
-use elevon::models::trace::{Channel, Trace};
+use elevon::models::parameters::ParameterSet;
+use elevon::models::simulate::{ModelKind, Simulation, simulate};
 use elevon::numeric::watch::{Unwatched, Watch};
 use elevon::store::local::LocalTraces;
 use elevon::store::records::{Id, Job, TraceRecord};
@@ -70,17 +71,21 @@ impl Bench {
     }
 }
 
-/// A short, valid trace in CSV.
+/// A trace of the thesis's diagnostic command in CSV, with KGM 0.2 and FDJ 600 N.
 pub fn csv() -> Vec<u8> {
-    let n = 200;
-    let wave = |scale: f64| (0..n).map(|i| scale * (0.1 * f64::from(i)).sin()).collect::<Vec<_>>();
-    let channels = [
-        (Channel::PositionCommand, wave(0.01)),
-        (Channel::ServovalveCurrent, wave(0.005)),
-        (Channel::LoadPressure, wave(1e5)),
-    ];
-    let time_s = (0..n).map(|i| f64::from(i) * 1e-3).collect();
-    write(Format::Csv, &Trace::try_new(time_s, channels.into(), Vec::new()).unwrap())
+    static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| {
+        let recipe = Simulation {
+            model: ModelKind::Reference,
+            command: Drive::Diagnostic,
+            faults: Faults { kgm: 0.2, fdj_n: 600.0, ..Faults::default() },
+            noise_power_ma2_s: 0.0,
+            seed: 1,
+            duration_s: 5.0,
+            sample_rate_hz: 1000.0,
+        };
+        write(Format::Csv, &simulate(&recipe, &ParameterSet::reference(), &Unwatched).unwrap())
+    });
+    BYTES.clone()
 }
 
 /// A simulation that takes no time.

@@ -33,7 +33,8 @@ async fn an_upload_is_estimated_and_shows_in_the_history_and_in_the_forecast() {
     assert!(result["elapsed_s"].as_f64().unwrap() >= 0.0 && result["verdict"].is_string(), "{result}");
     let history = bench.records.health(actuator.id, None, None, &all()).await.unwrap().items;
     assert_eq!((history[0].trace_id, history[0].job_id, history[0].recorded_at), (trace.id, queued.id, at(10)));
-    assert_eq!(history[0].kgm, result["kgm"].as_f64());
+    assert_eq!((history[0].kgm, history[0].fdj_n), (result["kgm"].as_f64(), result["fdj_n"].as_f64()));
+    assert!((history[0].kgm.unwrap() - 0.2).abs() < 0.05, "{result}");
     let forecast = bench.records.forecast(actuator.id).await.unwrap().unwrap();
     assert_eq!((forecast.revision, &forecast.document["usage"]), (1, &Value::from(10.0)));
 }

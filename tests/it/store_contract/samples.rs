@@ -1,5 +1,7 @@
 //! Records for tests, and the way to bring them into a store.
 
+use std::collections::BTreeMap;
+
 use elevon::estimation::{Estimate, Verdict};
 use elevon::store::records::{
     Actuator, ForecastRecord, Id, JobKind, Maintenance, MaintenanceKind, NewJob, Outcome, Thresholds, TraceRecord,
@@ -86,6 +88,7 @@ pub fn estimate(kgm: Option<f64>) -> Estimate {
         objective: "features".into(),
         verdict: if kgm.is_some() { Verdict::Conclusive } else { Verdict::Inconclusive },
         reasons: Vec::new(),
+        faults: BTreeMap::new(),
         parameter_set_hash: "00".into(),
         version: elevon::VERSION.into(),
     }
