@@ -30,10 +30,15 @@ pub(super) fn run(args: ServeArgs) -> Result<(), Failure> {
     let config = args.settings()?;
     telemetry::start_log(&config.log).map_err(Failure::usage)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(Failure::work)?;
-    runtime.block_on(serve(&config)).map_err(|error| match error {
+    runtime.block_on(serve(&config)).map_err(refused)
+}
+
+/// Why the service did not run, as a failure of the command.
+pub(super) fn refused(error: AppError) -> Failure {
+    match error {
         AppError::NotLoopback { .. } => Failure::usage(error),
         _ => Failure::work(error),
-    })
+    }
 }
 
 impl ServeArgs {
@@ -56,7 +61,7 @@ async fn serve(config: &Config) -> Result<(), AppError> {
 }
 
 /// Ends when the process is told to: by ctrl-c or SIGTERM, from now on.
-fn stop_signal() -> std::io::Result<impl Future<Output = ()> + Send + 'static> {
+pub(super) fn stop_signal() -> std::io::Result<impl Future<Output = ()> + Send + 'static> {
     let mut terminate = signal(SignalKind::terminate())?;
     let mut interrupt = signal(SignalKind::interrupt())?;
     Ok(async move {
