@@ -2,8 +2,11 @@
 //!
 //! Exit status: 0 done; 1 the work failed; 2 bad usage or bad input. An error is one line on standard error.
 
+mod demo;
 mod estimate;
+mod openapi;
 mod progress;
+mod serve;
 mod simulate;
 
 use std::ffi::OsString;
@@ -22,17 +25,26 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Run the service: HTTP, an embedded database and workers
+    Serve(serve::ServeArgs),
+    /// Run the service, feed it a simulated fleet and show what comes out
+    Demo(demo::DemoArgs),
     /// Run a model and write a trace
     Simulate(simulate::SimulateArgs),
     /// Estimate faults from traces, without a server
     Estimate(estimate::EstimateArgs),
+    /// Print the HTTP interface's specification as YAML
+    Openapi,
 }
 
 impl Command {
     fn run(self) -> Result<(), Failure> {
         match self {
+            Self::Serve(args) => serve::run(args),
+            Self::Demo(args) => demo::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
+            Self::Openapi => openapi::run(),
         }
     }
 }

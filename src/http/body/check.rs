@@ -1,0 +1,70 @@
+//! Checks of fields that were read; every fault is noted, none ends the checking.
+
+use crate::http::error::{ApiError, ApiResult};
+use crate::http::problem::FieldError;
+
+/// The faults found so far.
+#[derive(Debug, Default)]
+pub struct Faults(Vec<FieldError>);
+
+impl Faults {
+    /// Notes a fault.
+    pub fn add(&mut self, pointer: impl Into<String>, detail: impl Into<String>) {
+        self.0.push(FieldError::new(pointer, detail));
+    }
+
+    /// A text without the white space around it, of `min` to `max` characters, none of them a control character other
+    /// than, where `lines` are allowed, a line's end or a tab.
+    pub fn text(&mut self, pointer: &str, text: &str, (min, max): (usize, usize), lines: bool) -> String {
+        let text = text.trim();
+        let chars = text.chars().count();
+        if !(min..=max).contains(&chars) {
+            self.add(pointer, format!("found {chars} characters, expected {min} to {max}"));
+        }
+        let forbidden = |c: &char| c.is_control() && !(lines && matches!(c, '\n' | '\r' | '\t'));
+        if let Some(found) = text.chars().find(forbidden) {
+            self.add(pointer, format!("found the control character {found:?}, expected none"));
+        }
+        text.to_owned()
+    }
+
+    /// A number for which `fits` holds.
+    pub fn number(&mut self, pointer: &str, found: f64, expected: &str, fits: bool) {
+        if !fits {
+            self.add(pointer, format!("found {found}, expected {expected}"));
+        }
+    }
+
+    /// The value that was checked.
+    ///
+    /// # Errors
+    /// [`ApiError::Invalid`] with every fault that was noted.
+    pub fn pass<T>(self, value: T) -> ApiResult<T> {
+        if self.0.is_empty() { Ok(value) } else { Err(ApiError::Invalid(self.0)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(text: &str, lines: bool) -> usize {
+        let mut faults = Faults::default();
+        faults.text("/x", text, (1, 5), lines);
+        faults.0.len()
+    }
+
+    #[test]
+    fn texts_are_measured_in_characters_without_the_space_around_them() {
+        assert_eq!(faults("  ééééé ", false), 0);
+        assert_eq!(faults("éééééé", false), 1);
+        assert_eq!(faults("   ", false), 1);
+    }
+
+    #[test]
+    fn control_characters_are_refused_and_lines_only_where_they_belong() {
+        assert_eq!(faults("a\u{7}b", true), 1);
+        assert_eq!(faults("a\nb", false), 1);
+        assert_eq!(faults("a\nb", true), 0);
+    }
+}

@@ -1,0 +1,11 @@
+//! What comes in and goes out beside the records themselves: request bodies, queries, and answers made of several
+//! records.
+
+pub mod accepted;
+pub mod actuator;
+pub mod check;
+pub mod fleet;
+pub mod list;
+pub mod maintenance;
+pub mod simulation;
+pub mod upload;

@@ -1,0 +1,115 @@
+//! Uploading a trace.
+
+use jiff::Timestamp;
+use sha2::{Digest as _, Sha256};
+use utoipa::IntoParams;
+
+use crate::estimation::Settings;
+use crate::formats::{self, Format, FormatError, ReadOptions};
+use crate::http::error::{ApiError, ApiResult};
+use crate::http::extract::query::{Fields, FromQuery};
+use crate::http::problem::FieldError;
+use crate::store::records::{self, Id, TraceRecord};
+
+/// The fewest and the most candidates in a generation.
+const POPULATION: (u32, u32) = (4, 1000);
+/// The most generations.
+const GENERATIONS_MAX: u32 = 1000;
+
+/// What is known of an uploaded trace, and how to estimate from it.
+#[derive(Debug, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub struct UploadQuery {
+    /// When it was recorded: RFC 3339 with an offset.
+    #[param(example = "2026-03-01T12:00:00Z")]
+    pub recorded_at: Timestamp,
+    /// The actuator's usage then, in its usage unit.
+    #[param(minimum = 0, example = 1250.5)]
+    pub usage: f64,
+    /// Seed of the search; 1 unless told.
+    pub seed: Option<u64>,
+    /// Candidates in a generation.
+    #[param(minimum = 4, maximum = 1000, default = 40)]
+    pub population: Option<u32>,
+    /// Generations.
+    #[param(minimum = 0, maximum = 1000, default = 10)]
+    pub generations: Option<u32>,
+    /// Names to replace, as in `Cor:servovalve_current_ma,P12:load_pressure_pa`.
+    pub columns: Option<String>,
+    /// Samples per second of a file without times, Hz.
+    #[param(exclusive_minimum = 0)]
+    pub sample_rate_hz: Option<f64>,
+}
+
+impl FromQuery for UploadQuery {
+    fn from_query(fields: &mut Fields) -> Option<Self> {
+        let (recorded_at, usage) = (fields.time("recorded_at"), usage(fields));
+        fields.require("recorded_at", recorded_at.is_some());
+        fields.require("usage", usage.is_some());
+        let seed = fields.parse("seed", format!("an integer, 0 to {}", u64::MAX));
+        let population = fields.integer("population", POPULATION.0..=POPULATION.1);
+        let generations = fields.integer("generations", 0..=GENERATIONS_MAX);
+        let columns = fields.text("columns");
+        for error in columns.iter().filter_map(|map| ReadOptions::parse_columns(map).err()).flatten() {
+            fields.malformed("columns", error.detail);
+        }
+        let rate = |value: f64| value.is_finite() && value > 0.0;
+        let sample_rate_hz = fields.number("sample_rate_hz", "a finite number above 0", rate);
+        let (recorded_at, usage) = (recorded_at?, usage?);
+        Some(Self { recorded_at, usage, seed, population, generations, columns, sample_rate_hz })
+    }
+}
+
+fn usage(fields: &mut Fields) -> Option<f64> {
+    fields.number("usage", "a finite number, at least 0", |value| value.is_finite() && value >= 0.0)
+}
+
+impl UploadQuery {
+    /// How to search.
+    #[must_use]
+    pub fn settings(&self) -> Settings {
+        let default = Settings::default();
+        Settings {
+            population: self.population.map_or(default.population, |value| value as usize),
+            generations: self.generations.map_or(default.generations, |value| value as usize),
+            seed: self.seed.unwrap_or(default.seed),
+        }
+    }
+
+    /// The record of an uploaded file, which is read to its end: a long computation for a long file.
+    ///
+    /// # Errors
+    /// Everything that is wrong with the file, each with its place.
+    pub fn record(&self, actuator: Id, format: Format, bytes: &[u8]) -> ApiResult<TraceRecord> {
+        let trace = formats::read(format, bytes, &self.options()?).map_err(bad_trace)?;
+        Ok(TraceRecord {
+            id: Id::now(),
+            actuator_id: Some(actuator),
+            recorded_at: Some(self.recorded_at),
+            usage: Some(self.usage),
+            media_type: format.media_type().into(),
+            columns: self.columns.clone().unwrap_or_default(),
+            sample_rate_hz: self.sample_rate_hz,
+            size_bytes: bytes.len() as u64,
+            sha256: Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+            samples: trace.samples() as u64,
+            duration_s: trace.duration_s(),
+            created_at: records::now(),
+        })
+    }
+
+    /// How to read the file.
+    fn options(&self) -> ApiResult<ReadOptions> {
+        let columns = ReadOptions::parse_columns(self.columns.as_deref().unwrap_or_default()).map_err(bad_trace)?;
+        Ok(ReadOptions { columns, sample_rate_hz: self.sample_rate_hz })
+    }
+}
+
+/// What is wrong with a file; what is wrong with how the query told to read it points into the query.
+fn bad_trace(errors: Vec<FormatError>) -> ApiError {
+    let place = |place: String| match place.as_str() {
+        "columns" | "sample_rate_hz" => format!("?{place}"),
+        _ => place,
+    };
+    ApiError::BadTrace(errors.into_iter().map(|error| FieldError::new(place(error.place), error.detail)).collect())
+}

@@ -1,0 +1,51 @@
+//! The history of an actuator's faults.
+
+use axum::extract::State;
+use jiff::Timestamp;
+use utoipa::IntoParams;
+
+use crate::http::App;
+use crate::http::body::list::{List, PageQuery};
+use crate::http::error::ApiResult;
+use crate::http::extract::id::PathId;
+use crate::http::extract::query::{Fields, FromQuery, Query};
+use crate::http::openapi::RecordListProblems;
+use crate::http::routes::actuator;
+use crate::store::records::HealthRecord;
+
+/// Which part of a history.
+#[derive(Debug, IntoParams)]
+#[into_params(parameter_in = Query)]
+pub(super) struct HistoryQuery {
+    /// Only what was recorded at this time or later: RFC 3339 with an offset.
+    from: Option<Timestamp>,
+    /// Only what was recorded before this time: RFC 3339 with an offset.
+    to: Option<Timestamp>,
+}
+
+impl FromQuery for (HistoryQuery, PageQuery) {
+    fn from_query(fields: &mut Fields) -> Option<Self> {
+        let (from, to) = (fields.time("from"), fields.time("to"));
+        if let (Some(from), Some(to)) = (from, to) {
+            fields.check(from <= to, "to", format!("found {to}, expected {from} or later, as from says"));
+        }
+        Some((HistoryQuery { from, to }, PageQuery::from_query(fields)?))
+    }
+}
+
+/// The history of an actuator's faults, ascending by time of recording: one row for each trace, its newest estimate.
+#[utoipa::path(
+    get,
+    path = "/v1/actuators/{id}/health",
+    tag = "actuators",
+    params(("id" = String, Path, description = "The actuator's id"), HistoryQuery, PageQuery),
+    responses((status = 200, description = "One page of the history", body = List<HealthRecord>), RecordListProblems)
+)]
+pub(super) async fn health_history(
+    State(app): State<App>,
+    id: PathId,
+    Query((span, page)): Query<(HistoryQuery, PageQuery)>,
+) -> ApiResult<List<HealthRecord>> {
+    let actuator = actuator(&app, &id).await?;
+    Ok(app.records.health(actuator.id, span.from, span.to, &page.into()).await?.into())
+}

@@ -1,0 +1,18 @@
+//! Health: of one actuator over time, what remains of its life, and of the fleet.
+
+mod fleet;
+mod history;
+mod remaining_life;
+
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::http::App;
+
+/// The routes about health.
+pub fn routes() -> OpenApiRouter<App> {
+    OpenApiRouter::new()
+        .routes(routes!(history::health_history))
+        .routes(routes!(remaining_life::remaining_life))
+        .routes(routes!(fleet::fleet_health))
+}
