@@ -1,7 +1,5 @@
 //! Records for tests, and the way to bring them into a store.
 
-use std::collections::BTreeMap;
-
 use elevon::estimation::{Estimate, Verdict};
 use elevon::store::records::{
     Actuator, ForecastRecord, Id, JobKind, Maintenance, MaintenanceKind, NewJob, Outcome, Thresholds, TraceRecord,
@@ -88,7 +86,7 @@ pub fn estimate(kgm: Option<f64>) -> Estimate {
         objective: "features".into(),
         verdict: if kgm.is_some() { Verdict::Conclusive } else { Verdict::Inconclusive },
         reasons: Vec::new(),
-        faults: BTreeMap::new(),
+        faults: Default::default(),
         parameter_set_hash: "00".into(),
         version: elevon::VERSION.into(),
     }
