@@ -112,7 +112,6 @@ impl Application {
     }
 
     /// The routes, for callers within the process.
-    #[must_use]
     pub fn router(&self) -> Router {
         self.router.clone()
     }

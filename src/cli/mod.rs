@@ -102,7 +102,8 @@ fn explain(error: &clap::Error) -> ExitCode {
         }
         _ => {
             let text = error.to_string();
-            let what = text.split("\n\nUsage:").next().unwrap_or_default().trim_start_matches("error: ");
+            let end = ["\n\nUsage:", "\n\nFor more"].into_iter().filter_map(|mark| text.find(mark)).min();
+            let what = text[..end.unwrap_or(text.len())].trim_start_matches("error: ").to_owned();
             Failure::usage(anyhow::anyhow!("{what} (see --help)")).report()
         }
     }

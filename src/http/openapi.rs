@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use utoipa::openapi::{ContentBuilder, Ref, RefOr, Response, ResponseBuilder};
+use utoipa::openapi::{ArrayBuilder, ContentBuilder, Ref, RefOr, Response, ResponseBuilder, Schema};
 use utoipa::{IntoResponses, OpenApi};
 
 use super::problem::{FieldError, MEDIA_TYPE, ProblemDocument};
@@ -37,6 +37,18 @@ struct Base;
 #[must_use]
 pub fn base() -> utoipa::openapi::OpenApi {
     Base::openapi()
+}
+
+/// Lets every list name the schema of its items, which the generator repeats in full.
+pub(super) fn refer_to_items(document: &mut utoipa::openapi::OpenApi) {
+    let Some(components) = &mut document.components else { return };
+    for (name, list) in &mut components.schemas {
+        let (Some(item), RefOr::T(Schema::Object(list))) = (name.strip_prefix("List_"), list) else { continue };
+        let items = ArrayBuilder::new()
+            .items(Ref::from_schema_name(item))
+            .description(Some("The records, in the list's order."));
+        list.properties.insert("items".into(), items.into());
+    }
 }
 
 /// The specification as YAML.

@@ -99,7 +99,7 @@ pub async fn write_problems(request: Request, next: Next) -> Response {
         None if is_bare_error(&response) => Problem::bare(response.status(), response.headers()),
         None => return response,
     };
-    if problem.status.is_server_error() {
+    if problem.is_failure() {
         let cause = problem.cause.as_deref().unwrap_or(&problem.detail);
         tracing::error!(request_id, %method, path, status = problem.status.as_u16(), cause, "the request failed");
     }
@@ -117,6 +117,11 @@ fn is_bare_error(response: &Response) -> bool {
 }
 
 impl Problem {
+    /// Whether the service failed, and did not merely refuse: a full queue is no failure.
+    fn is_failure(&self) -> bool {
+        self.status.is_server_error() && (self.cause.is_some() || self.status != StatusCode::SERVICE_UNAVAILABLE)
+    }
+
     /// The problem that a bare status stands for.
     fn bare(status: StatusCode, headers: &HeaderMap) -> Self {
         let (kind, title) = match status {

@@ -29,7 +29,9 @@ pub fn router(app: App) -> Router {
 /// The specification of every route.
 #[must_use]
 pub fn specification() -> utoipa::openapi::OpenApi {
-    documented().into_openapi()
+    let mut document = documented().into_openapi();
+    openapi::refer_to_items(&mut document);
+    document
 }
 
 /// Every route with its documentation; there is no other way in.

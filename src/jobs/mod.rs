@@ -123,8 +123,8 @@ impl Jobs {
             let job = new_job(&spec);
             if let Err(error) = jobs.records.insert_upload(&trace, &job, jobs.settings.queue_limit).await {
                 // A commit that failed may have happened all the same: only bytes without a record are deleted.
-                if jobs.records.trace(trace.id).await?.is_none() {
-                    jobs.traces.delete(trace.id).await?;
+                if matches!(jobs.records.trace(trace.id).await, Ok(None)) {
+                    jobs.forget(trace.id).await;
                 }
                 return Err(error);
             }
@@ -170,7 +170,7 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn forecast(&self, actuator: &Actuator) -> Result<ForecastRecord, StoreError> {
-        predict::forecast(self.records.as_ref(), actuator, self.settings.risk_window).await
+        predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, self.settings.risk_window).await
     }
 
     /// Brings every forecast up to date, for a list of the whole fleet.
@@ -189,6 +189,13 @@ impl Jobs {
             if stale.len() < AT_ONCE as usize {
                 return Ok(());
             }
+        }
+    }
+
+    /// Deletes bytes that no record names.
+    async fn forget(&self, trace: Id) {
+        if let Err(error) = self.traces.delete(trace).await {
+            tracing::warn!(trace_id = %trace, error = worker::text(&error), "bytes without a record not deleted");
         }
     }
 

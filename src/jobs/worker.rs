@@ -1,16 +1,15 @@
 //! Workers: each takes the next id, claims its job, computes on a thread of its own, and ends the attempt in the store.
 
-use std::any::Any;
 use std::error::Error;
 use std::future::{Future, ready};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use tokio::task::{JoinError, spawn_blocking};
-use tokio::time::{MissedTickBehavior, interval, sleep};
+use tokio::task::spawn_blocking;
+use tokio::time::{self, MissedTickBehavior, interval_at, sleep};
 
 use super::Jobs;
-use super::run::{Finding, Work, conclude, prepare};
+use super::run::{Finding, Work, conclude, panic_text, prepare};
 use super::watching::Watching;
 use crate::store::StoreError;
 use crate::store::records::{self, Id, Job, JobKind, JobState, Outcome};
@@ -94,7 +93,7 @@ impl Jobs {
         });
         let mut early = None;
         let mut late = std::pin::pin!(sleep(self.settings.time_limit));
-        let mut tick = interval(PROGRESS_EVERY);
+        let mut tick = interval_at(time::Instant::now() + PROGRESS_EVERY, PROGRESS_EVERY);
         tick.set_missed_tick_behavior(MissedTickBehavior::Delay);
         let ended = loop {
             tokio::select! {
@@ -129,7 +128,7 @@ impl Jobs {
                 None
             }
             (Ok(Err(error)), None) => Some(Err(text(&error))),
-            (Err(ended), None) => panic_text(ended).map(Err),
+            (Err(ended), None) => Some(Err(panic_text(ended))),
         }
     }
 
@@ -150,11 +149,7 @@ impl Jobs {
         let finished = self.insist(job.id, || self.records.finish_job(job.id, job.attempt, &outcome, now)).await;
         match (finished, outcome) {
             (Some(true), outcome) => self.finished(job, &outcome).await,
-            (Some(false), Outcome::Simulated { trace, .. }) => {
-                if let Err(error) = self.traces.delete(trace.id).await {
-                    tracing::warn!(job_id = %job.id, trace_id = %trace.id, error = text(&error), "bytes not deleted");
-                }
-            }
+            (Some(false), Outcome::Simulated { trace, .. }) => self.forget(trace.id).await,
             (Some(false) | None, _) => {}
         }
     }
@@ -218,7 +213,7 @@ pub(super) fn count_finished(kind: JobKind, state: JobState) {
 }
 
 /// An error with its causes, in one line.
-fn text(error: &dyn Error) -> String {
+pub(super) fn text(error: &dyn Error) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();
     while let Some(error) = cause {
@@ -226,15 +221,4 @@ fn text(error: &dyn Error) -> String {
         cause = error.source();
     }
     text
-}
-
-/// Why a computation panicked, or `None` when the runtime ended before it began.
-fn panic_text(ended: JoinError) -> Option<String> {
-    let payload = ended.try_into_panic().ok()?;
-    Some(format!("panicked: {}", message(payload.as_ref())))
-}
-
-fn message(payload: &(dyn Any + Send)) -> &str {
-    let owned = payload.downcast_ref::<String>().map(String::as_str);
-    owned.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message")
 }

@@ -94,7 +94,7 @@ pub struct Paged<T> {
 }
 
 /// The history of one actuator's current life: what a forecast is made from.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct LifeHistory {
     /// The actuator's revision that this history belongs to.
     pub revision: i64,

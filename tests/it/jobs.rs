@@ -1,1 +1,7 @@
-//! placeholder
+//! Jobs from their upload to what they leave in the store. The tests are the workers: each drives single steps.
+
+mod bench;
+mod dispatch;
+mod forecasts;
+mod interrupted;
+mod outcomes;

@@ -2,6 +2,14 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should panic")]
 
 mod house;
+mod http_actuators;
+mod http_health;
+mod http_jobs;
+mod http_process;
+mod http_service;
+mod http_sockets;
+mod http_support;
+mod http_uploads;
 mod jobs;
 mod models;
 mod store_contract;

@@ -51,9 +51,9 @@ pub struct FleetItem {
     /// Its newest estimate in this life; null before the first.
     newest: Option<Newest>,
     /// Null without a forecast.
-    risk: Option<Risk>,
+    risk: Option<FleetRisk>,
     /// Null without a forecast.
-    remaining_life: Option<RemainingLife>,
+    remaining_life: Option<FleetLife>,
     /// Why something is missing, or what to know of it.
     reasons: Vec<String>,
 }
@@ -81,7 +81,7 @@ struct Newest {
 
 /// How likely a failure is soon.
 #[derive(Debug, Serialize, Deserialize, ToSchema)]
-struct Risk {
+struct FleetRisk {
     /// The further usage that is looked at, in the actuator's usage unit.
     within: f64,
     /// The probability that a threshold is passed within it, 0 to 1.
@@ -90,7 +90,7 @@ struct Risk {
 
 /// How much usage is left before a threshold is passed.
 #[derive(Debug, Serialize, Deserialize, ToSchema)]
-struct RemainingLife {
+struct FleetLife {
     /// Remaining life by level (0.05 to 0.95), in the actuator's usage unit; null beyond the horizon.
     #[schema(example = json!({"0.05": 80.1, "0.5": 120.4, "0.95": null}))]
     quantiles: BTreeMap<String, Option<f64>>,
@@ -105,8 +105,8 @@ struct RemainingLife {
 /// What the fleet's list shows of a forecast.
 #[derive(Debug, Default, Deserialize)]
 struct Summary {
-    forecast: Option<RemainingLife>,
-    risk: Option<Risk>,
+    forecast: Option<FleetLife>,
+    risk: Option<FleetRisk>,
     reasons: Vec<String>,
 }
 

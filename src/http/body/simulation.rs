@@ -21,8 +21,8 @@ use crate::models::simulate::{ModelKind, Simulation, SimulationError};
 pub struct NewSimulation {
     /// The model.
     model: ModelKind,
-    /// The command: `diagnostic`, `step:0.1`, `ramp:0.1`, `sine:0.2@5`, `chirp:0.05@0.5-10`, `sequence:0.1@0,-0.05@0.5`
-    /// (m, m/s, Hz, s).
+    /// The command: `diagnostic`, `step:0.1`, `ramp:0.1`, `sine:0.2@5` or `sequence:0.1@0,-0.05@0.5` (level@time); m, m/s,
+    /// Hz, s.
     #[schema(min_length = 1, max_length = 10000)]
     command: String,
     /// The faults; without it, a healthy actuator.
@@ -63,7 +63,7 @@ impl NewSimulation {
         let recipe = Simulation { model, command: drive, faults, noise_power_ma2_s, seed, duration_s, sample_rate_hz };
         for error in recipe.check() {
             if let SimulationError::OutOfRange { name, found: value, expected } = error {
-                found.number(&pointer(name), value, expected, false);
+                found.add(pointer(name), format!("{name}: found {value}, expected {expected}"));
             }
         }
         found.pass(SimulationSpec { model, command, faults, noise_power, seed, duration_s, sample_rate_hz })
@@ -80,11 +80,8 @@ fn read_command(text: &str, found: &mut FaultsFound) -> Option<Drive> {
     read.map_err(|error| found.add("/command", error.to_string())).ok()
 }
 
-/// Where a field of the recipe stands in the body.
+/// Where a field of the recipe stands in the body; what is said of two fields points to the first.
 fn pointer(name: &str) -> String {
-    match name {
-        "kgm" | "fdj_n" | "clearance_m" | "clogging" => format!("/faults/{name}"),
-        "noise_power_ma2_s" => "/noise_power".into(),
-        _ => format!("/{name}"),
-    }
+    let field = name.split(' ').next().unwrap_or_default();
+    format!("/{}", field.replace('.', "/"))
 }

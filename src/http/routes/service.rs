@@ -60,13 +60,19 @@ async fn readyz(State(app): State<App>) -> ApiResult<Json<Status>> {
     Ok(Json(OK))
 }
 
-/// The service's figures, for Prometheus.
+/// The service's figures, for Prometheus: requests, jobs by state, jobs that ended and how long they took.
 #[utoipa::path(
     get,
     path = "/metrics",
     tag = "service",
     responses((status = 200, description = "The figures", body = String, content_type = "text/plain"), PlainProblems)
 )]
-async fn metrics() -> Response {
+async fn metrics(State(app): State<App>) -> Response {
+    match app.records.job_counts().await {
+        Ok(counts) => counts
+            .into_iter()
+            .for_each(|(state, jobs)| metrics::gauge!("elevon_jobs", "state" => state.name()).set(jobs as f64)),
+        Err(error) => tracing::warn!(%error, "the jobs cannot be counted; their figures are old"),
+    }
     ([(CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], telemetry::metrics().render()).into_response()
 }

@@ -38,7 +38,7 @@ async fn openapi_yaml() -> Response {
     path = "/openapi.json",
     tag = "service",
     responses(
-        (status = 200, description = "The specification", body = String, content_type = "application/json"),
+        (status = 200, description = "The specification", body = serde_json::Value),
         PlainProblems
     )
 )]

@@ -6,6 +6,7 @@ pub mod simulate;
 
 use serde::Deserialize as _;
 use thiserror::Error;
+use tokio::task::JoinError;
 
 use super::kind::JobSpec;
 use crate::estimation::EstimationError;
@@ -13,8 +14,9 @@ use crate::formats::FormatError;
 use crate::models::drive::DriveError;
 use crate::models::simulate::SimulationError;
 use crate::numeric::watch::Watch;
-use crate::store::records::{Id, Job, Outcome};
-use crate::store::{Records, StoreError, Traces};
+use crate::store::records::{Actuator, Id, Job, Outcome};
+use crate::store::{LifeHistory, Records, StoreError, Traces};
+use predict::RemainingLife;
 
 /// Why an attempt failed.
 #[derive(Debug, Error)]
@@ -75,18 +77,23 @@ pub enum Work {
 #[derive(Debug, Clone)]
 pub enum Finding {
     /// An estimate.
-    Estimation(estimate::EstimationResult),
+    Estimation(Box<estimate::EstimationResult>),
     /// A trace, written.
     Simulation(simulate::Written),
 }
 
-/// Computes work, on a thread that may be busy for minutes.
+/// What is computed, on a thread that may be busy for minutes.
 pub trait Compute: Send + Sync {
     /// Computes until the end, or until `watch` asks for an early one.
     ///
     /// # Errors
     /// Why nothing was found.
     fn compute(&self, work: Work, watch: &dyn Watch) -> Result<Finding, RunError>;
+
+    /// Forecasts from a history.
+    fn predict(&self, actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> RemainingLife {
+        predict::predict(actuator, history, risk_window)
+    }
 }
 
 /// The computations of elevon's own models.
@@ -96,7 +103,9 @@ pub struct Models;
 impl Compute for Models {
     fn compute(&self, work: Work, watch: &dyn Watch) -> Result<Finding, RunError> {
         match work {
-            Work::Estimation(input) => estimate::compute(&input, watch).map(Finding::Estimation),
+            Work::Estimation(input) => {
+                estimate::compute(&input, watch).map(|result| Finding::Estimation(Box::new(result)))
+            }
             Work::Simulation(recipe) => simulate::compute(&recipe, watch).map(Finding::Simulation),
         }
     }
@@ -118,4 +127,14 @@ pub(super) async fn conclude(finding: Finding, traces: &dyn Traces) -> Result<Ou
         Finding::Estimation(result) => Ok(result.into_outcome()),
         Finding::Simulation(written) => simulate::keep(written, traces).await.map_err(RunError::from),
     }
+}
+
+/// Why a computation panicked.
+pub(super) fn panic_text(ended: JoinError) -> String {
+    let Ok(payload) = ended.try_into_panic() else {
+        return "the service ended first".into();
+    };
+    let owned = payload.downcast_ref::<String>().map(String::as_str);
+    let message = owned.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message");
+    format!("panicked: {message}")
 }
