@@ -12,7 +12,7 @@ const PROBABILITY_MIN: f64 = 1e-12;
 const DEVIATE_TOLERANCE: f64 = 1e-4;
 
 /// Deviates at which each line's normal law is taken for the band.
-const DRAWS: usize = 4;
+const DRAWS: usize = 2;
 
 /// The distribution of one fault's level, from which its life follows.
 #[derive(Debug, Clone)]
@@ -22,7 +22,7 @@ pub(super) struct Life {
 }
 
 impl Life {
-    /// The life that equally probable lines tell of, at least one; `scale` is their unit of usage.
+    /// The life that weighted lines tell of, at least one; `scale` is their unit of usage.
     pub fn new(lines: Vec<Line>, scale: f64) -> Self {
         Self { lines, scale }
     }
@@ -39,28 +39,42 @@ impl Life {
     }
 
     /// The levels (0 healthy, 1 threshold) that stay unexceeded with probability 0.05, 0.5 and 0.95 at each time
-    /// `elapsed` after `at`: order statistics of the lines, each taken at evenly spread deviates of its normal law.
+    /// `elapsed` after `at`: order statistics of the lines by weight, each taken at evenly spread deviates of its normal law.
     pub fn levels(&self, elapsed: &[f64]) -> Vec<[f64; 3]> {
         let draw =
             |(i, line)| (0..DRAWS).map(move |k| (line, deviate((spread(i, SQRT_2) + k as f64 / DRAWS as f64).fract())));
         let draws: Vec<(&Line, f64)> = self.lines.iter().enumerate().flat_map(draw).collect();
-        let tail = draws.len() / 20;
-        let quantiles = |elapsed: &f64| {
+        let at = |elapsed: &f64| {
             let x = elapsed / self.scale;
-            let level =
-                |(line, z): &(&Line, f64)| line.level + line.slope * x + (line.variance + line.wander * x).sqrt() * z;
-            let mut levels: Vec<f64> = draws.iter().map(level).collect();
-            let (below, median, above) = levels.select_nth_unstable_by(draws.len() / 2, f64::total_cmp);
-            let high = above.len() - 1 - tail;
-            let low = *below.select_nth_unstable_by(tail, f64::total_cmp).1;
-            [low, *median, *above.select_nth_unstable_by(high, f64::total_cmp).1]
+            let level = |(line, z): &(&Line, f64)| {
+                let deviation = (line.variance + line.wander * x).sqrt() * z;
+                (line.level + line.slope * x + deviation, line.weight / DRAWS as f64)
+            };
+            let mut levels: Vec<(f64, f64)> = draws.iter().map(level).collect();
+            levels.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+            weighted_quantiles(&levels)
         };
-        elapsed.iter().map(quantiles).collect()
+        elapsed.iter().map(at).collect()
     }
 
     fn mean(&self, f: impl Fn(&Line) -> f64) -> f64 {
-        self.lines.iter().map(f).sum::<f64>() / self.lines.len() as f64
+        self.lines.iter().map(|line| line.weight * f(line)).sum()
     }
+}
+
+/// The quantiles 0.05, 0.5 and 0.95 of (value, weight) pairs in rising order, whose weights add up to 1.
+fn weighted_quantiles(levels: &[(f64, f64)]) -> [f64; 3] {
+    let mut sum = 0.0;
+    let mut rest = levels.iter();
+    let mut value = levels[0].0;
+    [0.05, 0.5, 0.95].map(|p| {
+        while sum < p {
+            let Some(&(next, weight)) = rest.next() else { break };
+            value = next;
+            sum += weight;
+        }
+        value
+    })
 }
 
 /// Term `i` of a sequence that fills 0 to 1 evenly (Weyl): the fractions of the multiples of an irrational number.

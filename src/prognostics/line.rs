@@ -30,8 +30,11 @@ const SLOPE_CELLS: usize = 32;
 const INFORMATION_MIN: f64 = 1e-6;
 /// What lies this far below the best in log-likelihood is left out.
 const LOG_LIKELIHOOD_DROP: f64 = 12.0;
-/// How many equally probable lines stand for the posterior.
+/// How many lines stand for the posterior.
 const LINES: usize = 256;
+/// How much denser the lines lie among fast slopes, which end lives soon, than among slow ones: line i of n stands for
+/// the posterior's probability between 1 - (1 - i/n)^k and the same of the next.
+const TAIL_POWER: i32 = 3;
 
 /// One line of the posterior: the level at usage x from `at` is normal, its mean `level + slope x`, its variance
 /// `variance + wander x`.
@@ -41,9 +44,11 @@ pub(super) struct Line {
     pub slope: f64,
     pub variance: f64,
     pub wander: f64,
+    /// Its share of the posterior's probability.
+    pub weight: f64,
 }
 
-/// The posterior as equally probable lines; none without a point.
+/// The posterior as lines whose weights add up to 1; none without a point.
 pub(super) fn posterior(points: &[Point]) -> Vec<Line> {
     let Some(last) = points.last() else { return Vec::new() };
     let mut fits = Vec::with_capacity(NOISE_CELLS * WANDER_CELLS * DRIFT_CELLS);
@@ -156,7 +161,7 @@ impl Fit {
         let width = (bounds.1 / bounds.0).ln().max(f64::EPSILON);
         logarithmic(bounds, SLOPE_CELLS).map(move |slope| {
             let level = self.level - slope * self.level_per_slope;
-            let line = Line { level, slope, variance: self.level_variance, wander: self.variances.wander };
+            let line = Line { level, slope, variance: self.level_variance, wander: self.variances.wander, weight: 0.0 };
             let left = (1.0 - level).max(0.0) / slope;
             let drift_change = (self.variances.drift * left / 3.0).sqrt() / slope;
             let rate_deviation = drift_change.min(DRIFT_CHANGE_MAX).hypot(EXPONENT_DOUBT * left.ln_1p());
@@ -179,18 +184,22 @@ fn logarithmic((low, high): (f64, f64), n: usize) -> impl Iterator<Item = f64> {
     (0..n).map(move |i| low * ((i as f64 + 0.5) * step).exp())
 }
 
-/// Systematic selection in order of slope: each line taken stands for the same share of the probability, and gets its
-/// rate to come at an evenly spread deviate.
+/// Systematic selection in order of slope, ever finer towards the fast ones; each line gets its rate to come at an evenly
+/// spread deviate.
 fn thinned(mut candidates: Vec<Candidate>) -> Vec<Line> {
     candidates.sort_by(|a, b| a.line.slope.total_cmp(&b.line.slope));
     let total: f64 = candidates.iter().map(|c| c.weight).sum();
+    // The probability up to a point among the lines.
+    let up_to = |point: f64| 1.0 - (1.0 - point / LINES as f64).powi(TAIL_POWER);
     let mut lines = Vec::with_capacity(LINES);
     let mut sum = 0.0;
     for candidate in candidates {
         sum += candidate.weight;
-        while lines.len() < LINES && (lines.len() as f64 + 0.5) / LINES as f64 * total <= sum {
-            let rate = (candidate.rate_deviation * deviate(spread(lines.len(), std::f64::consts::GOLDEN_RATIO))).exp();
-            lines.push(Line { slope: candidate.line.slope * rate, ..candidate.line });
+        while lines.len() < LINES && up_to(lines.len() as f64 + 0.5) * total <= sum {
+            let i = lines.len();
+            let rate = (candidate.rate_deviation * deviate(spread(i, std::f64::consts::GOLDEN_RATIO))).exp();
+            let weight = up_to(i as f64 + 1.0) - up_to(i as f64);
+            lines.push(Line { slope: candidate.line.slope * rate, weight, ..candidate.line });
         }
     }
     lines
