@@ -87,6 +87,7 @@ impl Jobs {
     /// `None` when the attempt's end is in the store already.
     async fn supervise(&self, job: &Job, work: Work) -> Option<Result<Finding, String>> {
         let watching = Arc::new(Watching::default());
+        // Not a thread of the rayon pool: one that waits there for its own batch may take up another whole job first.
         let mut computing = spawn_blocking({
             let (compute, watching) = (self.compute.clone(), watching.clone());
             move || compute.compute(work, watching.as_ref())

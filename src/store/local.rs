@@ -58,10 +58,13 @@ fn prepare(dir: &Path) -> io::Result<()> {
 
 /// Writes a file so that it is there whole, or not at all, whatever happens meanwhile.
 fn write_durably(incoming: &Path, target: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(incoming)?;
-    file.write_all(bytes)?;
-    file.sync_all()?;
-    fs::rename(incoming, target)?;
+    let write = || -> io::Result<()> {
+        let mut file = File::create(incoming)?;
+        file.write_all(bytes)?;
+        file.sync_all()?;
+        fs::rename(incoming, target)
+    };
+    write().inspect_err(|_| drop(fs::remove_file(incoming)))?;
     sync_folder(target.parent().expect("a trace's file is in a folder"))
 }
 
@@ -107,6 +110,15 @@ mod tests {
         let traces = LocalTraces::open(dir.path()).unwrap();
         assert_eq!(traces.get(id).await.unwrap(), None);
         assert!(!leftover.exists());
+    }
+
+    #[tokio::test]
+    async fn a_trace_that_could_not_be_kept_takes_no_room() {
+        let dir = tempfile::tempdir().unwrap();
+        let traces = LocalTraces::open(dir.path()).unwrap();
+        (0..=u8::MAX).for_each(|end| fs::remove_dir(dir.path().join(format!("{end:02x}"))).unwrap());
+        traces.put(Id::now(), vec![1]).await.unwrap_err();
+        assert_eq!(fs::read_dir(dir.path().join(INCOMING)).unwrap().count(), 0);
     }
 
     #[tokio::test]

@@ -13,8 +13,8 @@ const HISTORY_MORE = 50;
 /** Draws `detail {record, history, life, maintenance, truncated}` into a container; `open` is how many records its table shows. */
 export function drawActuator(container, detail, open, showMore) {
   const { record, history, life, maintenance } = detail;
-  const replaced = maintenance.filter((event) => event.kind === "replaced").map((event) => event.usage);
-  const lifeStart = Math.max(-Infinity, ...replaced);
+  const starts = maintenance.filter((event) => event.kind !== "inspected").map((event) => event.usage);
+  const lifeStart = Math.max(-Infinity, ...starts);
   const shown = open || HISTORY_AT_FIRST;
   reconcile(container, [
     { key: "head", data: [record, life, history.at(-1)], draw: () => head(record, life, history) },

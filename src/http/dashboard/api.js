@@ -1,8 +1,7 @@
-/** Reading the service's JSON: conditional requests, paging, problem documents, an optional key. */
+/** Reading the service's JSON: conditional requests, paging, problem documents. */
 
 const TIMEOUT_MS = 15_000;
 const PAGES_MAX = 20;
-const KEY = "elevon.key";
 
 /** A failed request, as its RFC 9457 problem document tells it. */
 export class Problem extends Error {
@@ -12,19 +11,11 @@ export class Problem extends Error {
   }
 }
 
-/** Remembers a key for this tab; an empty one forgets it. */
-export function useKey(key) {
-  if (key) sessionStorage.setItem(KEY, key);
-  else sessionStorage.removeItem(KEY);
-}
-
 /** One JSON document. `no-cache` lets the browser answer a 304 from its own copy. */
 export async function get(path) {
-  const key = sessionStorage.getItem(KEY);
-  const headers = { Accept: "application/json", ...(key ? { Authorization: `Bearer ${key}` } : {}) };
   let response;
   try {
-    response = await fetch(path, { headers, cache: "no-cache", signal: AbortSignal.timeout(TIMEOUT_MS) });
+    response = await fetch(path, { headers: { Accept: "application/json" }, cache: "no-cache", signal: AbortSignal.timeout(TIMEOUT_MS) });
   } catch (error) {
     const late = error.name === "TimeoutError";
     throw new Problem({

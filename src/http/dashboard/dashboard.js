@@ -1,7 +1,7 @@
 /** The page's one owner of state: it polls, follows the address, and hands the state to the views. */
 
 import { back, drawActuator } from "./actuator.js";
-import { Problem, get, getAll, useKey } from "./api.js";
+import { Problem, get, getAll } from "./api.js";
 import { byId, h, reconcile, refill } from "./dom.js";
 import { drawFleet, onRowKey } from "./fleet.js";
 import { clock, percent } from "./format.js";
@@ -153,18 +153,8 @@ function problemPieces(problem) {
     h("p", {}, problem.detail),
     problem.errors.length > 0 && h("ul", {}, problem.errors.map((error) => h("li", {}, h("code", {}, error.pointer), ` ${error.detail}`))),
     problem.requestId && h("p", { class: "hint" }, "Request ", h("code", {}, problem.requestId)),
-    problem.status === 401 || problem.status === 403 ? keyForm() : h("button", { type: "button", class: "quiet", "data-focus": "retry", onclick: retry }, "Try again"),
+    h("button", { type: "button", class: "quiet", "data-focus": "retry", onclick: retry }, "Try again"),
   ].filter(Boolean);
-}
-
-function keyForm() {
-  const field = h("input", { type: "password", autocomplete: "off", required: true, "data-focus": "key" });
-  const submit = (event) => {
-    event.preventDefault();
-    useKey(field.value.trim());
-    retry();
-  };
-  return h("form", { class: "key", onsubmit: submit }, h("label", {}, "Key with the reader role, kept for this tab ", field), h("button", { class: "quiet" }, "Use it"));
 }
 
 function retry() {
