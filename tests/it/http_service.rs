@@ -127,3 +127,28 @@ fn every_operation_has_a_summary_and_says_what_its_problems_look_like() {
         }
     }
 }
+
+/// Every `$ref` of a document.
+fn references(value: &Value) -> Vec<&str> {
+    match value {
+        Value::Object(members) => members
+            .iter()
+            .flat_map(|(name, member)| match member.as_str() {
+                Some(text) if name == "$ref" => vec![text],
+                _ => references(member),
+            })
+            .collect(),
+        Value::Array(items) => items.iter().flat_map(references).collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn every_reference_in_the_specification_leads_somewhere() {
+    let document: Value = serde_json::from_str(&elevon::http::openapi::json().unwrap()).unwrap();
+    let references = references(&document);
+    assert!(references.contains(&"#/components/schemas/FleetItem"));
+    for reference in references {
+        assert!(document.pointer(reference.trim_start_matches('#')).is_some(), "{reference}");
+    }
+}

@@ -118,6 +118,8 @@ pub struct FleetPage {
 }
 
 impl FleetPage {
+    /// The page that a query asks for.
+    ///
     /// # Errors
     /// A cursor that this list did not make.
     pub fn of(query: PageQuery) -> ApiResult<Self> {

@@ -34,7 +34,8 @@ impl<T: FromQuery, S: Send + Sync> FromRequestParts<S> for Query<T> {
 /// Reads the query of an address.
 ///
 /// # Errors
-/// Every fault: [`ApiError::Malformed`] when one cannot be read, [`ApiError::Invalid`] when all are of range.
+/// Every fault: [`ApiError::Malformed`] when one value cannot be read, [`ApiError::Invalid`] when all can and some are out
+/// of range.
 pub fn read<T: FromQuery>(uri: &Uri) -> ApiResult<T> {
     let mut fields = Fields::of(uri)?;
     let value = T::from_query(&mut fields);
