@@ -12,7 +12,7 @@ const PROBABILITY_MIN: f64 = 1e-12;
 const DEVIATE_TOLERANCE: f64 = 1e-4;
 
 /// Deviates at which each line's normal law is taken for the band.
-const DRAWS: usize = 2;
+const DRAWS: usize = 4;
 
 /// The distribution of one fault's level, from which its life follows.
 #[derive(Debug, Clone)]

@@ -6,7 +6,7 @@ use super::life::Life;
 use super::line;
 
 /// Points of the band.
-const BAND_POINTS: usize = 40;
+const BAND_POINTS: usize = 24;
 
 /// The remaining life that a fault's history promises.
 ///

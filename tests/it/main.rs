@@ -1,6 +1,8 @@
 //! The integration tests: everything that needs two modules, in one binary.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should panic")]
 
+mod cli;
+mod estimation;
 mod house;
 mod http_actuators;
 mod http_health;

@@ -84,7 +84,7 @@ fn register(client: &Client) -> anyhow::Result<HashMap<String, String>> {
         let (serial_number, id) = entry(&record)?;
         if let Some(before) = member.replaced_before {
             let (at, usage) = replaced(before);
-            let note = "demagnetised beyond its limit; part changed";
+            let note = "demagnetising fast; part changed";
             let event = json!({"kind": "replaced", "at": at.to_string(), "usage": usage, "note": note});
             client.post(&format!("/v1/actuators/{id}/maintenance"), &event)?;
         }

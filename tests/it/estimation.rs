@@ -1,0 +1,177 @@
+//! The estimation on traces of the reference model, whose faults are known, and on traces that must not be believed.
+
+use std::collections::BTreeMap;
+
+use elevon::estimation::{Estimate, Settings, Verdict, estimate};
+use elevon::models::fault::Faults;
+use elevon::models::parameters::ParameterSet;
+use elevon::models::simulate::{ModelKind, Simulation, simulate};
+use elevon::models::trace::{Channel, Trace};
+use elevon::numeric::watch::Unwatched;
+use rayon::prelude::*;
+
+/// A trace of the reference model at 1 kHz.
+fn recorded(command: &str, kgm: f64, fdj_n: f64, noise_power_ma2_s: f64, seed: u64) -> Trace {
+    let recipe = Simulation {
+        model: ModelKind::Reference,
+        command: command.parse().unwrap(),
+        faults: Faults { kgm, fdj_n, ..Faults::default() },
+        noise_power_ma2_s,
+        seed,
+        duration_s: 6.0,
+        sample_rate_hz: 1000.0,
+    };
+    simulate(&recipe, &ParameterSet::reference(), &Unwatched).unwrap()
+}
+
+fn diagnostic(kgm: f64, fdj_n: f64) -> Trace {
+    recorded("diagnostic", kgm, fdj_n, 0.0, 1)
+}
+
+fn estimated(trace: &Trace) -> Estimate {
+    estimate(trace, &ParameterSet::reference(), &Settings::default(), &Unwatched).unwrap()
+}
+
+/// The same trace with every sample (time, then the channels that were recorded) sent through a function.
+fn altered(trace: &Trace, alter: impl Fn(Option<Channel>, f64, f64) -> f64) -> Trace {
+    let time_s = trace.time_s();
+    let column = |channel: Channel| {
+        let values = trace.channel(channel)?;
+        Some((channel, values.iter().zip(time_s).map(|(&v, &t)| alter(Some(channel), t, v)).collect()))
+    };
+    let channels: BTreeMap<Channel, Vec<f64>> = Channel::ALL.into_iter().filter_map(column).collect();
+    Trace::try_new(time_s.iter().map(|&t| alter(None, t, t)).collect(), channels, Vec::new()).unwrap()
+}
+
+/// Every fifth sample of a trace, and of those not the ones that a recorder would drop now and then.
+fn fewer(trace: &Trace) -> Trace {
+    let kept =
+        |values: &[f64]| values.iter().step_by(5).enumerate().filter(|(i, _)| i % 17 != 3).map(|(_, &v)| v).collect();
+    let channels = Channel::ALL.into_iter().filter_map(|channel| Some((channel, kept(trace.channel(channel)?))));
+    Trace::try_new(kept(trace.time_s()), channels.collect(), Vec::new()).unwrap()
+}
+
+/// An inconclusive estimate, without a figure and with a reason that says this.
+fn assert_inconclusive(found: &Estimate, why: &str) {
+    assert_eq!(found.verdict, Verdict::Inconclusive, "{found:?}");
+    assert_eq!((found.kgm, found.kgm_std, found.fdj_n, found.fdj_n_std), (None, None, None, None));
+    assert!(found.reasons.iter().any(|reason| reason.contains(why)), "{why}: {:?}", found.reasons);
+}
+
+#[test]
+fn recovers_faults_between_those_of_the_thesis_s_tables() {
+    let pairs = [(0.0, 210.0), (0.03, 470.0), (0.12, 333.0), (0.27, 555.0), (0.33, 910.0), (0.45, 1100.0)];
+    pairs.par_iter().for_each(|&(kgm, fdj_n)| {
+        let found = estimated(&diagnostic(kgm, fdj_n));
+        assert_eq!(found.verdict, Verdict::Conclusive, "{found:?}");
+        assert!((found.kgm.unwrap() - kgm).abs() < 0.003, "KGM {kgm}, FDJ {fdj_n}: {found:?}");
+        assert!((found.fdj_n.unwrap() / fdj_n - 1.0).abs() < 0.001, "KGM {kgm}, FDJ {fdj_n}: {found:?}");
+    });
+}
+
+#[test]
+fn recovers_faults_through_the_thesis_s_noise_and_knows_how_well() {
+    let truths: Vec<(f64, f64, u64)> =
+        (0..20u32).map(|i| (0.02 * f64::from(i), 220.0 + 40.0 * f64::from(i), u64::from(i) + 1)).collect();
+    let within: usize = truths
+        .par_iter()
+        .map(|&(kgm, fdj_n, seed)| {
+            let found = estimated(&recorded("diagnostic", kgm, fdj_n, 5e-6, seed));
+            let (kgm_error, fdj_error) = (found.kgm.unwrap() - kgm, found.fdj_n.unwrap() - fdj_n);
+            assert!(kgm_error.abs() < 0.02 && fdj_error.abs() < 0.02 * fdj_n, "KGM {kgm}, FDJ {fdj_n}: {found:?}");
+            usize::from(kgm_error.abs() < 2.0 * found.kgm_std.unwrap())
+                + usize::from(fdj_error.abs() < 2.0 * found.fdj_n_std.unwrap())
+        })
+        .sum();
+    // Of 40 figures, 38 are expected within two standard deviations; 32 or fewer would be a rare accident.
+    assert!(within > 32, "{within} of 40");
+}
+
+#[test]
+fn recovers_the_same_from_a_later_start_the_other_direction_and_fewer_samples() {
+    let trace = diagnostic(0.2, 600.0);
+    let plain = estimated(&trace);
+    let later = altered(&trace, |channel, _, value| if channel.is_none() { value + 1000.0 } else { value });
+    let mirrored = altered(&trace, |channel, _, value| if channel.is_none() { value } else { -value });
+    for (what, other, tolerance) in
+        [("later", later, 1e-5), ("mirrored", mirrored, 1e-5), ("fewer", fewer(&trace), 1e-3)]
+    {
+        let found = estimated(&other);
+        assert!((found.kgm.unwrap() - plain.kgm.unwrap()).abs() < tolerance, "{what}: {found:?}");
+        assert!((found.fdj_n.unwrap() - plain.fdj_n.unwrap()).abs() < 5e3 * tolerance, "{what}: {found:?}");
+    }
+}
+
+#[test]
+fn a_command_without_the_manoeuvres_is_inconclusive() {
+    let reason = "the command has no manoeuvre that shows";
+    for command in ["step:0", "sine:0.05@0.5", "sequence:0.05@0,-0.025@0.5,0.0125@1,-0.05@1.5,0@2", "ramp:0.02"] {
+        assert_inconclusive(&estimated(&recorded(command, 0.2, 600.0, 0.0, 1)), reason);
+    }
+}
+
+#[test]
+fn a_sensor_that_no_fault_explains_is_inconclusive() {
+    let trace = diagnostic(0.2, 600.0);
+    let only = |which: Channel, to: fn(f64) -> f64| {
+        altered(&trace, move |channel, _, value| if channel == Some(which) { to(value) } else { value })
+    };
+    let no_faults = "no faults explain";
+    assert_inconclusive(&estimated(&only(Channel::ServovalveCurrent, |_| 0.0)), no_faults);
+    assert_inconclusive(&estimated(&only(Channel::ServovalveCurrent, |a| -a)), no_faults);
+    assert_inconclusive(&estimated(&only(Channel::LoadPressure, |_| 0.0)), no_faults);
+    assert_inconclusive(&estimated(&only(Channel::LoadPressure, |pa| 10.0 * pa)), no_faults);
+}
+
+#[test]
+fn a_saturated_current_and_a_jack_that_stands_still_are_inconclusive() {
+    let stalled = recorded("diagnostic", 0.9, 600.0, 0.0, 1);
+    assert_inconclusive(&estimated(&stalled), "the current is saturated");
+    let stuck = altered(&diagnostic(0.2, 600.0), |channel, _, value| match channel {
+        Some(Channel::JackPosition | Channel::JackVelocity) => 0.0,
+        _ => value,
+    });
+    assert_inconclusive(&estimated(&stuck), "the jack does not follow the ramp");
+}
+
+#[test]
+fn a_channel_that_was_not_recorded_is_named() {
+    let trace = diagnostic(0.2, 600.0);
+    let channels =
+        [Channel::PositionCommand, Channel::ServovalveCurrent].map(|c| (c, trace.channel(c).unwrap().to_vec()));
+    let partial = Trace::try_new(trace.time_s().to_vec(), channels.into(), Vec::new()).unwrap();
+    assert_inconclusive(&estimated(&partial), "load_pressure_pa was not recorded");
+}
+
+#[test]
+fn determinism_the_same_seed_gives_the_same_bits_on_any_number_of_threads() {
+    let traces: Vec<Trace> = [(0.1, 300.0), (0.3, 700.0)].map(|(kgm, fdj_n)| diagnostic(kgm, fdj_n)).into();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| traces.par_iter().map(estimated).collect::<Vec<_>>())
+    };
+    let alone: Vec<Estimate> = traces.iter().map(estimated).collect();
+    assert_eq!(on(1), alone);
+    assert_eq!(on(4), alone);
+}
+
+#[test]
+fn every_seed_of_the_search_ends_at_the_same_faults() {
+    let trace = diagnostic(0.25, 480.0);
+    let set = ParameterSet::reference();
+    let found: Vec<Estimate> = (0..12u64)
+        .into_par_iter()
+        .map(|seed| estimate(&trace, &set, &Settings { seed, ..Settings::default() }, &Unwatched).unwrap())
+        .collect();
+    for other in &found {
+        assert!((other.kgm.unwrap() - found[0].kgm.unwrap()).abs() < 1e-5, "{other:?}");
+        assert!((other.fdj_n.unwrap() - found[0].fdj_n.unwrap()).abs() < 0.05, "{other:?}");
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_refused_with_their_range() {
+    let settings = Settings { population: 3, ..Settings::default() };
+    let refused = estimate(&diagnostic(0.1, 300.0), &ParameterSet::reference(), &settings, &Unwatched).unwrap_err();
+    assert_eq!(refused.to_string(), "population: found 3, expected 4 to 1000");
+}
