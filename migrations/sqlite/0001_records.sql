@@ -26,7 +26,8 @@ CREATE INDEX actuators_stale ON actuators (id) WHERE forecast_revision <> revisi
 CREATE TABLE forecasts (
     actuator_id TEXT PRIMARY KEY NOT NULL REFERENCES actuators (id),
     created_at INTEGER NOT NULL,
-    document TEXT NOT NULL
+    document TEXT NOT NULL,
+    basis TEXT NOT NULL
 ) STRICT;
 
 CREATE TABLE traces (

@@ -94,6 +94,7 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn start(&self) -> Result<(), StoreError> {
+        self.records.expire_forecasts(&predict::basis(self.settings.risk_window)).await?;
         for id in self.records.recover_jobs(self.settings.attempts_max, records::now()).await? {
             self.dispatch.publish(id).await;
         }

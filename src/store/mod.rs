@@ -182,6 +182,8 @@ pub trait Records: Send + Sync {
     async fn forecast(&self, actuator: Id) -> Result<Option<ForecastRecord>, StoreError>;
     /// Keeps a forecast if the actuator still is at the revision that it was made from; `false` otherwise.
     async fn store_forecast(&self, forecast: &ForecastRecord) -> Result<bool, StoreError>;
+    /// Makes the forecasts stale that rest on something else than `basis`: an older version, other settings.
+    async fn expire_forecasts(&self, basis: &str) -> Result<(), StoreError>;
     /// Actuators whose forecast is missing or of an older revision, at most `limit`.
     async fn stale_forecasts(&self, limit: u32) -> Result<Vec<Id>, StoreError>;
     /// The fleet, riskiest first (risk falling, then median remaining life rising, those without a forecast last).

@@ -352,6 +352,8 @@ pub struct ForecastRecord {
     pub median_remaining: Option<f64>,
     /// The forecast as it is served.
     pub document: serde_json::Value,
+    /// What it rests on besides the history, such as the version that made it.
+    pub basis: String,
     /// When it was made.
     pub created_at: Timestamp,
 }

@@ -110,11 +110,17 @@ pub(in crate::jobs) async fn forecast(
         risk: life.risk.map(|risk| risk.probability),
         median_remaining: life.forecast.as_ref().and_then(|timed| timed.forecast.quantiles.q50),
         document: serde_json::to_value(&life).expect("a forecast's fields have names"),
+        basis: basis(risk_window),
         created_at: records::now(),
     };
     // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
     records.store_forecast(&forecast).await?;
     Ok(forecast)
+}
+
+/// What a forecast rests on besides the history: when it changes, stored forecasts are made again.
+pub(in crate::jobs) fn basis(risk_window: f64) -> String {
+    format!("elevon {}, risk within {risk_window}", crate::VERSION)
 }
 
 /// What is served of an actuator whose forecast panicked, so that the rest of the fleet is not lost with it.

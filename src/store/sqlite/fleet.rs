@@ -15,7 +15,7 @@ macro_rules! fleet {
             "SELECT a.id, a.serial_number, a.tail_number, a.location, a.parameter_set, a.threshold_kgm,
             a.threshold_fdj_n, a.usage_unit, a.created_at, a.revision,
             h.trace_id, h.job_id, h.recorded_at, h.usage, h.kgm, h.kgm_std, h.fdj_n, h.fdj_n_std, h.verdict,
-            f.actuator_id, a.forecast_revision, a.risk, a.median_remaining, f.document, f.created_at,
+            f.actuator_id, a.forecast_revision, a.risk, a.median_remaining, f.document, f.basis, f.created_at,
             a.risk_order, a.median_order
             FROM actuators a
             LEFT JOIN forecasts f ON f.actuator_id = a.id
@@ -35,12 +35,16 @@ macro_rules! fleet {
 
 pub(super) const FLEET: &str = fleet!("");
 pub(super) const FLEET_OF_TAIL: &str = fleet!("a.tail_number = ?5 AND");
-const FORECAST: &str = "SELECT f.actuator_id, a.forecast_revision, a.risk, a.median_remaining, f.document, f.created_at
+const FORECAST: &str =
+    "SELECT f.actuator_id, a.forecast_revision, a.risk, a.median_remaining, f.document, f.basis, f.created_at
     FROM forecasts f JOIN actuators a ON a.id = f.actuator_id WHERE f.actuator_id = ?1";
 const RANK: &str = "UPDATE actuators SET forecast_revision = ?2, risk = ?3, median_remaining = ?4
     WHERE id = ?1 AND revision = ?2";
-const KEEP: &str = "INSERT INTO forecasts (actuator_id, created_at, document) VALUES (?1, ?2, ?3)
-    ON CONFLICT (actuator_id) DO UPDATE SET created_at = excluded.created_at, document = excluded.document";
+const KEEP: &str = "INSERT INTO forecasts (actuator_id, created_at, document, basis) VALUES (?1, ?2, ?3, ?4)
+    ON CONFLICT (actuator_id) DO UPDATE
+    SET created_at = excluded.created_at, document = excluded.document, basis = excluded.basis";
+const EXPIRE: &str = "UPDATE actuators SET forecast_revision = -1
+    WHERE id IN (SELECT actuator_id FROM forecasts WHERE basis <> ?1)";
 pub(super) const STALE: &str = "SELECT id FROM actuators WHERE forecast_revision <> revision ORDER BY id LIMIT ?1";
 
 pub(super) async fn forecast(readers: &SqlitePool, actuator: Id) -> Result<Option<ForecastRecord>, StoreError> {
@@ -64,10 +68,16 @@ pub(super) async fn store_forecast(writer: &SqlitePool, forecast: &ForecastRecor
         .bind(forecast.actuator_id.to_string())
         .bind(micros(forecast.created_at))
         .bind(forecast.document.to_string())
+        .bind(&forecast.basis)
         .execute(&mut *transaction)
         .await?;
     transaction.commit().await?;
     Ok(true)
+}
+
+pub(super) async fn expire(writer: &SqlitePool, basis: &str) -> Result<(), StoreError> {
+    sqlx::query(EXPIRE).bind(basis).execute(writer).await?;
+    Ok(())
 }
 
 pub(super) async fn stale(readers: &SqlitePool, limit: u32) -> Result<Vec<Id>, StoreError> {
@@ -106,6 +116,7 @@ fn read(row: &SqliteRow, first: usize) -> Result<ForecastRecord, StoreError> {
         risk: row.value()?,
         median_remaining: row.value()?,
         document: row.json()?,
+        basis: row.value()?,
         created_at: row.time()?,
     })
 }
@@ -114,6 +125,6 @@ fn read(row: &SqliteRow, first: usize) -> Result<ForecastRecord, StoreError> {
 fn read_row(row: &SqliteRow) -> Result<(FleetRow, (f64, f64)), StoreError> {
     let newest: Option<HealthRecord> = if row.try_get_raw(10)?.is_null() { None } else { Some(health::read(row, 10)?) };
     let forecast = if row.try_get_raw(19)?.is_null() { None } else { Some(read(row, 19)?) };
-    let order = (row.try_get(25)?, row.try_get(26)?);
+    let order = (row.try_get(26)?, row.try_get(27)?);
     Ok((FleetRow { actuator: actuators::read(row)?, newest, forecast }, order))
 }

@@ -168,6 +168,10 @@ impl Records for SqliteRecords {
         fleet::store_forecast(&self.writer, forecast).await
     }
 
+    async fn expire_forecasts(&self, basis: &str) -> Result<(), StoreError> {
+        fleet::expire(&self.writer, basis).await
+    }
+
     async fn stale_forecasts(&self, limit: u32) -> Result<Vec<Id>, StoreError> {
         fleet::stale(&self.readers, limit).await
     }

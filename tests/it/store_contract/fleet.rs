@@ -61,6 +61,13 @@ pub async fn contract_what_changes_a_history_makes_its_forecast_stale(records: A
         records.store_forecast(&forecast(id, 0, None, None)).await.unwrap();
     }
     assert!(records.stale_forecasts(10).await.unwrap().is_empty());
+    records.expire_forecasts("this").await.unwrap();
+    assert!(records.stale_forecasts(10).await.unwrap().is_empty());
+    records.expire_forecasts("another").await.unwrap();
+    assert_eq!(records.stale_forecasts(10).await.unwrap(), [a, b], "a forecast of another basis is made again");
+    for id in [a, b] {
+        assert!(records.store_forecast(&forecast(id, 0, None, None)).await.unwrap());
+    }
     measured(&*records, a, 10, None).await;
     assert_eq!(records.stale_forecasts(10).await.unwrap(), [a]);
     maintained(&*records, b, MaintenanceKind::Inspected, 10).await;

@@ -121,5 +121,5 @@ pub async fn maintained(records: &dyn Records, actuator_id: Id, kind: Maintenanc
 
 pub fn forecast(actuator_id: Id, revision: i64, risk: Option<f64>, median_remaining: Option<f64>) -> ForecastRecord {
     let document = json!({"made_from": revision});
-    ForecastRecord { actuator_id, revision, risk, median_remaining, document, created_at: now() }
+    ForecastRecord { actuator_id, revision, risk, median_remaining, document, basis: "this".into(), created_at: now() }
 }
