@@ -1,6 +1,7 @@
 //! A simulation: a model, a command and faults make a trace. Here is the one time loop.
 
-use std::collections::BTreeMap;
+mod plant;
+mod recorder;
 
 use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
@@ -10,10 +11,12 @@ use utoipa::ToSchema;
 use super::drive::Drive;
 use super::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
 use super::parameters::ParameterSet;
-use super::trace::{Channel, SAMPLES_MIN, Trace};
+use super::trace::{SAMPLES_MIN, Trace};
 use super::{monitoring, reference};
 use crate::numeric::rng::Seed;
 use crate::numeric::watch::Watch;
+use plant::{MonitoringPlant, Plant};
+use recorder::Recorder;
 
 /// The longest simulation, s.
 pub const DURATION_MAX_S: f64 = 600.0;
@@ -21,8 +24,6 @@ pub const DURATION_MAX_S: f64 = 600.0;
 pub const SAMPLE_RATE_MAX_HZ: f64 = 1e5;
 /// The most samples that a simulation may make: ten times a 6 s trace at 10 kHz.
 pub const SAMPLES_MAX: f64 = 600_000.0;
-/// The time step of the monitoring model here, s: the reference model's.
-const MONITORING_TIME_STEP_S: f64 = 1e-5;
 /// Steps between two looks at the watch.
 const STEPS_PER_LOOK: u64 = 20_000;
 
@@ -112,87 +113,6 @@ impl Simulation {
     }
 }
 
-/// What is recorded of one step, in the order of [`Recorder::finish`]'s columns.
-type Sample = [f64; 8];
-
-/// A model that the time loop can run.
-trait Plant {
-    type State;
-    fn time_step_s(&self) -> f64;
-    fn start(&self) -> Self::State;
-    fn step(&self, state: &Self::State, position_command_m: f64, interference_a: f64) -> Self::State;
-    fn sample(state: &Self::State) -> Sample;
-    const COLUMNS: &'static [&'static str];
-}
-
-impl Plant for reference::Model {
-    type State = reference::State;
-
-    const COLUMNS: &'static [&'static str] = &["flapper_position_m", "port_1_pressure_pa", "port_2_pressure_pa"];
-
-    fn time_step_s(&self) -> f64 {
-        self.time_step_s()
-    }
-
-    fn start(&self) -> Self::State {
-        self.start()
-    }
-
-    fn step(&self, state: &Self::State, position_command_m: f64, interference_a: f64) -> Self::State {
-        self.step(state, position_command_m, interference_a)
-    }
-
-    fn sample(s: &Self::State) -> Sample {
-        [
-            s.servovalve_current_a,
-            s.pipe.load_pressure_pa(),
-            s.jack.position_m,
-            s.jack.velocity_m_per_s,
-            s.second_stage.position_m,
-            s.first_stage.position_m,
-            s.pipe.port_1_pa,
-            s.pipe.port_2_pa,
-        ]
-    }
-}
-
-/// The monitoring model with the faults of one run.
-struct MonitoringPlant {
-    model: monitoring::Model,
-    candidate: monitoring::Candidate<f64>,
-}
-
-impl Plant for MonitoringPlant {
-    type State = monitoring::State<f64>;
-
-    const COLUMNS: &'static [&'static str] = &["flapper_position_m"];
-
-    fn time_step_s(&self) -> f64 {
-        MONITORING_TIME_STEP_S
-    }
-
-    fn start(&self) -> Self::State {
-        monitoring::State::start(())
-    }
-
-    fn step(&self, state: &Self::State, position_command_m: f64, _interference_a: f64) -> Self::State {
-        self.model.step(&self.candidate, state, position_command_m, MONITORING_TIME_STEP_S)
-    }
-
-    fn sample(s: &Self::State) -> Sample {
-        [
-            s.servovalve_current_a,
-            s.load_pressure_pa,
-            s.jack_position_m,
-            s.jack_velocity_m_per_s,
-            s.spool_position_m,
-            s.flapper_position_m,
-            0.0,
-            0.0,
-        ]
-    }
-}
-
 /// Runs a model. Row k of the trace is the state after the step at k / rate (the nearest step where the rate does not
 /// divide the steps evenly).
 ///
@@ -253,65 +173,10 @@ fn run<P: Plant>(plant: &P, recipe: &Simulation, watch: &dyn Watch) -> Result<Tr
     Ok(recorder.finish(P::COLUMNS))
 }
 
-/// Keeps the samples that are due.
-struct Recorder {
-    rate_hz: f64,
-    samples: usize,
-    time_s: Vec<f64>,
-    position_command_m: Vec<f64>,
-    values: [Vec<f64>; 8],
-}
-
-impl Recorder {
-    fn new(recipe: &Simulation) -> Self {
-        // The tolerance keeps the last sample of a duration that is a whole number of samples.
-        let samples = (recipe.duration_s * recipe.sample_rate_hz + 1e-9).floor() as usize + 1;
-        let column = || Vec::with_capacity(samples);
-        Self {
-            rate_hz: recipe.sample_rate_hz,
-            samples,
-            time_s: column(),
-            position_command_m: column(),
-            values: std::array::from_fn(|_| column()),
-        }
-    }
-
-    /// The step after which the next sample is due, or `None` when all are recorded.
-    fn next_step(&self, steps_per_s: f64) -> Option<u64> {
-        let k = self.time_s.len();
-        (k < self.samples).then(|| (k as f64 / self.rate_hz * steps_per_s).round() as u64)
-    }
-
-    fn fraction(&self) -> f64 {
-        self.time_s.len() as f64 / self.samples as f64
-    }
-
-    fn record(&mut self, position_command_m: f64, sample: &Sample) {
-        self.time_s.push(self.time_s.len() as f64 / self.rate_hz);
-        self.position_command_m.push(position_command_m);
-        for (column, value) in self.values.iter_mut().zip(sample) {
-            column.push(*value);
-        }
-    }
-
-    fn finish(self, extra: &[&str]) -> Trace {
-        let [current, pressure, position, velocity, spool, rest @ ..] = self.values;
-        let channels = BTreeMap::from([
-            (Channel::PositionCommand, self.position_command_m),
-            (Channel::ServovalveCurrent, current),
-            (Channel::LoadPressure, pressure),
-            (Channel::JackPosition, position),
-            (Channel::JackVelocity, velocity),
-            (Channel::SpoolPosition, spool),
-        ]);
-        let extra = extra.iter().map(|name| (*name).to_owned()).zip(rest).collect();
-        Trace::try_new(self.time_s, channels, extra).expect("the recorder makes even, finite, complete columns")
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::models::trace::Channel;
     use crate::numeric::watch::Unwatched;
 
     fn recipe(model: ModelKind) -> Simulation {
