@@ -40,7 +40,7 @@ impl Evaluator {
         let index = |at_s: f64| ((at_s - start_s) / TIME_STEP_MAX_S).round() as usize;
         let steps = |w: &Window| index(w.from_s)..index(w.to_s) + 1;
         Self {
-            model: LargeStep::new(&Model::new(set), TIME_STEP_MAX_S),
+            model: LargeStep::new(&Model::new(&set.shared(), set.monitoring_model()), TIME_STEP_MAX_S),
             command_m: resample(trace.time_s(), trace.position_command_m(), TIME_STEP_MAX_S, end_s),
             current_steps: steps(&measured.current_window),
             pressure_steps: steps(&measured.pressure_window),

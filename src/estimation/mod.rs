@@ -169,7 +169,7 @@ pub fn estimate(
 /// What speaks against a search before it is made.
 fn objections(trace: &Trace, measured: &Measured, set: &ParameterSet) -> Vec<String> {
     let mut reasons = Vec::new();
-    let current_max_a = set.torque_motor().current_max_a;
+    let current_max_a = set.shared().torque_motor.current_max_a;
     if measured.current_peak_a >= SATURATED * current_max_a {
         reasons.push(format!(
             "the current is saturated on the ramp: {:.2} mA of {:.2} mA",

@@ -2,48 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use thiserror::Error;
 
-use super::blocks::{controller, jack, torque_motor};
+use super::blocks::{Shared, controller, jack, torque_motor};
+use super::checks::{Checks, ParamsError};
 use super::{monitoring, reference};
 
 /// The built-in set's text.
 const REFERENCE: &str = include_str!("../../config/actuators/reference.toml");
-
-/// What is wrong with a parameter set.
-#[derive(Debug, Clone, PartialEq, Error)]
-pub enum ParamsError {
-    /// A value is out of its range, or not finite.
-    #[error("{name}: found {value}, expected {min} to {max} {unit}")]
-    OutOfRange {
-        /// The parameter, with its section.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The least allowed.
-        min: f64,
-        /// The most allowed.
-        max: f64,
-        /// Its unit.
-        unit: &'static str,
-    },
-    /// The text is not a parameter set.
-    #[error("{0}")]
-    Syntax(#[from] toml::de::Error),
-}
-
-/// Collects every value that is out of its range.
-#[derive(Debug, Default)]
-pub(crate) struct Checks(Vec<ParamsError>);
-
-impl Checks {
-    /// Notes a value that is not finite or not in `min..=max`.
-    pub(crate) fn within(&mut self, name: &'static str, value: f64, min: f64, max: f64, unit: &'static str) {
-        if !(min..=max).contains(&value) {
-            self.0.push(ParamsError::OutOfRange { name, value, min, max, unit });
-        }
-    }
-}
 
 /// The values of a set as they are written down.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -86,8 +51,9 @@ impl ParameterSet {
         values.jack.check(&mut checks);
         values.reference.check(&mut checks);
         values.monitoring.check(&mut checks);
-        if !checks.0.is_empty() {
-            return Err(checks.0);
+        let errors = checks.into_errors();
+        if !errors.is_empty() {
+            return Err(errors);
         }
         let canonical = serde_json::to_vec(&values).expect("plain numbers and a name serialise");
         let hash = Sha256::digest(canonical).iter().map(|byte| format!("{byte:02x}")).collect();
@@ -106,22 +72,11 @@ impl ParameterSet {
         &self.hash
     }
 
-    /// The controller.
+    /// What both models have.
     #[must_use]
-    pub fn controller(&self) -> &controller::Params {
-        &self.values.controller
-    }
-
-    /// The torque motor.
-    #[must_use]
-    pub fn torque_motor(&self) -> &torque_motor::Params {
-        &self.values.torque_motor
-    }
-
-    /// The jack.
-    #[must_use]
-    pub fn jack(&self) -> &jack::Params {
-        &self.values.jack
+    pub fn shared(&self) -> Shared {
+        let Values { controller, torque_motor, jack, .. } = self.values;
+        Shared { controller, torque_motor, jack }
     }
 
     /// What the reference model has of its own.

@@ -1,13 +1,10 @@
 //! First passage: from the lines of a posterior to the probability that the threshold has been passed.
 
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
-
-use statrs::function::erf::{erfc, erfc_inv};
+use std::f64::consts::SQRT_2;
 
 use super::line::Line;
+use super::normal::{cumulative, deviate, spread};
 
-/// Probabilities nearer 0 or 1 than this count as this near, where a quantile is sought.
-const PROBABILITY_MIN: f64 = 1e-12;
 /// How near a quantile comes, in standard normal deviates.
 const DEVIATE_TOLERANCE: f64 = 1e-4;
 
@@ -75,25 +72,6 @@ fn weighted_quantiles(levels: &[(f64, f64)]) -> [f64; 3] {
         }
         value
     })
-}
-
-/// Term `i` of a sequence that fills 0 to 1 evenly (Weyl): the fractions of the multiples of an irrational number.
-pub(super) fn spread(i: usize, irrational: f64) -> f64 {
-    ((i as f64 + 0.5) * irrational).fract()
-}
-
-/// The standard normal distribution function.
-fn cumulative(deviate: f64) -> f64 {
-    match deviate {
-        z if z < -6.0 => 0.0,
-        z if z > 6.0 => 1.0,
-        z => 0.5 * erfc(-z * FRAC_1_SQRT_2),
-    }
-}
-
-/// The standard normal quantile.
-pub(super) fn deviate(p: f64) -> f64 {
-    -SQRT_2 * erfc_inv(2.0 * p.clamp(PROBABILITY_MIN, 1.0 - PROBABILITY_MIN))
 }
 
 /// Where the rising `cdf` reaches `p` between `low` and `high`: false position (Illinois) on the standard normal

@@ -4,7 +4,7 @@
 //! reasons for the priors are in `docs/prognostics.md`.
 
 use super::history::Point;
-use super::life::{deviate, spread};
+use super::normal::{deviate, spread};
 
 /// Bounds of the present slope, threshold distances per age: even in logarithm about one life per age (chosen).
 const SLOPE: (f64, f64) = (1e-2, 1e2);

@@ -7,6 +7,7 @@ mod forecast;
 mod history;
 mod life;
 mod line;
+mod normal;
 mod remaining_life;
 #[cfg(test)]
 mod tests;

@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::friction::Levels;
-use crate::models::parameters::Checks;
+use crate::models::checks::Checks;
 use crate::numeric::lane::Lane;
 
 /// The jack's parameters; the friction level is the fault FDJ.

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::models::parameters::Checks;
+use crate::models::checks::Checks;
 use crate::numeric::lane::Lane;
 
 /// The torque motor's parameters.

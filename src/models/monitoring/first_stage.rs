@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::State;
 use crate::models::blocks::end_stop;
-use crate::models::parameters::Checks;
+use crate::models::checks::Checks;
 use crate::numeric::lane::Lane;
 
 /// The flapper's parameters.

@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::State;
-use crate::models::parameters::Checks;
+use crate::models::checks::Checks;
 use crate::numeric::lane::Lane;
 use crate::numeric::tanh::tanh;
 

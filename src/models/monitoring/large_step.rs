@@ -9,7 +9,7 @@
 use nalgebra::Matrix4;
 
 use super::{Candidate, Model, State};
-use crate::models::blocks::{controller, end_stop, torque_motor};
+use crate::models::blocks::end_stop;
 use crate::numeric::lane::Lane;
 
 /// The longest time step, s.
@@ -59,9 +59,7 @@ impl LargeStep {
     /// One time step, in signal order.
     #[inline(always)]
     pub fn step<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, position_command_m: f64) -> State<L> {
-        let asked_a = controller::step(&self.model.controller, position_command_m, s.jack_position_m);
-        let current_a = torque_motor::current(&self.model.torque_motor, asked_a, 0.0);
-        let force_n = torque_motor::force(&self.model.torque_motor, current_a, c.demagnetisation);
+        let (current_a, force_n) = self.model.drive_motor(c, s, position_command_m);
         let (flapper_m, flapper_m_per_s, spool_m) = self.move_valve(s, force_n);
         let (load_pa, jack_m_per_s) = self.press_and_move(c, s, spool_m);
         let jack_m = s.jack_position_m + jack_m_per_s * self.time_step_s;

@@ -13,8 +13,8 @@ pub mod large_step;
 use serde::{Deserialize, Serialize};
 
 use super::blocks::friction::{Levels, karnopp};
-use super::blocks::{controller, end_stop, jack, torque_motor};
-use super::parameters::{Checks, ParameterSet};
+use super::blocks::{Shared, controller, end_stop, jack, torque_motor};
+use super::checks::Checks;
 use crate::numeric::lane::Lane;
 
 /// What the monitoring model has of its own.
@@ -136,18 +136,17 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of a parameter set.
+    /// The model, ready for any candidate.
     #[must_use]
-    pub fn new(set: &ParameterSet) -> Self {
-        let own = set.monitoring_model();
+    pub fn new(shared: &Shared, own: &Params) -> Self {
         Self {
-            controller: *set.controller(),
-            torque_motor: *set.torque_motor(),
+            controller: shared.controller,
+            torque_motor: shared.torque_motor,
             first_stage: own.first_stage,
             second_stage: own.second_stage,
             fluid: fluid::Block::new(&own.fluid),
             dead_band_m_per_s: own.friction.velocity_dead_band_m_per_s,
-            jack: *set.jack(),
+            jack: shared.jack,
         }
     }
 
@@ -160,9 +159,7 @@ impl Model {
     /// One semi-implicit time step, in signal order.
     #[inline(always)]
     pub fn step<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, position_command_m: f64, time_step_s: f64) -> State<L> {
-        let asked_a = controller::step(&self.controller, position_command_m, s.jack_position_m);
-        let current_a = torque_motor::current(&self.torque_motor, asked_a, 0.0);
-        let force_n = torque_motor::force(&self.torque_motor, current_a, c.demagnetisation);
+        let (current_a, force_n) = self.drive_motor(c, s, position_command_m);
         let (flapper_m, flapper_m_per_s) = first_stage::step(&self.first_stage, s, force_n, time_step_s);
         let spool_m = s.spool_position_m + flapper_m * self.second_stage.spool_speed_gain_per_s * time_step_s;
         let spool_m = spool_m.clip(spool_m.same(self.second_stage.spool_position_max_m));
@@ -177,6 +174,14 @@ impl Model {
             jack_position_m: jack_m,
             jack_velocity_m_per_s: jack_m_per_s,
         }
+    }
+
+    /// The current in the torque motor, A, and its force on the flapper, N.
+    #[inline(always)]
+    fn drive_motor<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, position_command_m: f64) -> (L, L) {
+        let asked_a = controller::step(&self.controller, position_command_m, s.jack_position_m);
+        let current_a = torque_motor::current(&self.torque_motor, asked_a, 0.0);
+        (current_a, torque_motor::force(&self.torque_motor, current_a, c.demagnetisation))
     }
 
     /// The jack's position and velocity after a step under Karnopp's friction.

@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::models::blocks::end_stop;
-use crate::models::parameters::Checks;
+use crate::models::checks::Checks;
 
 /// The flapper's parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

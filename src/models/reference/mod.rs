@@ -13,9 +13,9 @@ pub mod second_stage;
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{controller, torque_motor};
+use super::blocks::{Shared, controller, torque_motor};
+use super::checks::Checks;
 use super::fault::Faults;
-use super::parameters::{Checks, ParameterSet};
 
 /// What the reference model has of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -74,10 +74,9 @@ pub struct State {
 }
 
 impl Model {
-    /// The model of a parameter set with these faults.
+    /// The model with these faults.
     #[must_use]
-    pub fn new(set: &ParameterSet, faults: &Faults) -> Self {
-        let own = set.reference_model();
+    pub fn new(shared: &Shared, own: &Params, faults: &Faults) -> Self {
         let mut fluid = own.fluid;
         fluid.clearance_extra_m += faults.clearance_m;
         let mut second_stage = own.second_stage;
@@ -85,14 +84,14 @@ impl Model {
         let supply_differential_pa = fluid.supply_pressure_pa - fluid.return_pressure_pa;
         Self {
             time_step_s: own.time_step_s,
-            controller: *set.controller(),
-            torque_motor: *set.torque_motor(),
+            controller: shared.controller,
+            torque_motor: shared.torque_motor,
             demagnetisation: faults.kgm,
             first_stage: first_stage::Block::new(&own.first_stage),
             second_stage: second_stage::Block::new(&second_stage, supply_differential_pa),
             passages: passages::Block::new(&fluid),
             pipe: pipe::Block::new(&fluid),
-            jack: jack::Block::new(set.jack(), faults.fdj_n),
+            jack: jack::Block::new(&shared.jack, faults.fdj_n),
             start_pressure_pa: 0.5 * (fluid.supply_pressure_pa + fluid.return_pressure_pa),
         }
     }

@@ -7,7 +7,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::models::parameters::Checks;
+use crate::models::checks::Checks;
 
 /// Oil, passages and pipe capacities.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -123,9 +123,12 @@ pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> R
         return Err(error);
     }
     match recipe.model {
-        ModelKind::Reference => run(&reference::Model::new(set, &recipe.faults), recipe, watch),
+        ModelKind::Reference => {
+            let model = reference::Model::new(&set.shared(), set.reference_model(), &recipe.faults);
+            run(&model, recipe, watch)
+        }
         ModelKind::Monitoring => {
-            let model = monitoring::Model::new(set);
+            let model = monitoring::Model::new(&set.shared(), set.monitoring_model());
             let candidate = model.candidate(recipe.faults.kgm, recipe.faults.fdj_n);
             run(&MonitoringPlant { model, candidate }, recipe, watch)
         }

@@ -5,7 +5,7 @@ use sqlx::sqlite::{SqlitePool, SqliteRow};
 use sqlx::{Row as _, SqliteConnection};
 
 use super::row::{Reader, micros};
-use super::{begin, health, uploads};
+use super::{begin, health, traces};
 use crate::store::records::{Id, Job, JobState, NewJob, Outcome};
 use crate::store::{Page, Paged, StoreError};
 
@@ -147,7 +147,7 @@ pub(super) async fn finish(
         Outcome::Estimated { trace_id, estimate, .. } => {
             health::keep_estimate(&mut transaction, *trace_id, id, estimate).await?;
         }
-        Outcome::Simulated { trace, .. } => uploads::insert_trace(&mut transaction, trace).await?,
+        Outcome::Simulated { trace, .. } => traces::insert(&mut transaction, trace).await?,
         Outcome::Failed { .. } => {}
     }
     transaction.commit().await?;

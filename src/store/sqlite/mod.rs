@@ -7,6 +7,7 @@ mod jobs;
 #[cfg(test)]
 mod plans;
 mod row;
+mod traces;
 mod uploads;
 
 use std::path::Path;
@@ -95,7 +96,7 @@ impl Records for SqliteRecords {
     }
 
     async fn trace(&self, id: Id) -> Result<Option<TraceRecord>, StoreError> {
-        uploads::trace(&self.readers, id).await
+        traces::one(&self.readers, id).await
     }
 
     async fn insert_job(&self, job: &NewJob, queue_limit: u64) -> Result<(), StoreError> {

@@ -1,18 +1,10 @@
-//! Traces' records in SQLite, and uploads: a trace with the job that estimates from it.
+//! Uploads in SQLite: a trace with the job that estimates from it, both or neither.
 
-use sqlx::SqliteConnection;
 use sqlx::sqlite::SqlitePool;
 
-use super::row::{Reader, micros, signed};
-use super::{begin, jobs};
+use super::{begin, jobs, traces};
 use crate::store::StoreError;
-use crate::store::records::{Id, NewJob, TraceRecord};
-
-const INSERT: &str = "INSERT INTO traces
-    (id, actuator_id, recorded_at, usage, media_type, columns, sample_rate_hz, size_bytes, sha256, samples, duration_s,
-    created_at) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12)";
-const ONE: &str = "SELECT id, actuator_id, recorded_at, usage, media_type, columns, sample_rate_hz, size_bytes, sha256,
-    samples, duration_s, created_at FROM traces WHERE id = ?1";
+use crate::store::records::{NewJob, TraceRecord};
 
 pub(super) async fn insert(
     writer: &SqlitePool,
@@ -22,46 +14,6 @@ pub(super) async fn insert(
 ) -> Result<(), StoreError> {
     let mut transaction = begin(writer).await?;
     jobs::insert_within(&mut transaction, job, queue_limit).await?;
-    insert_trace(&mut transaction, trace).await?;
+    traces::insert(&mut transaction, trace).await?;
     Ok(transaction.commit().await?)
-}
-
-pub(super) async fn insert_trace(connection: &mut SqliteConnection, trace: &TraceRecord) -> Result<(), StoreError> {
-    sqlx::query(INSERT)
-        .bind(trace.id.to_string())
-        .bind(trace.actuator_id.map(|id| id.to_string()))
-        .bind(trace.recorded_at.map(micros))
-        .bind(trace.usage)
-        .bind(&trace.media_type)
-        .bind(&trace.columns)
-        .bind(trace.sample_rate_hz)
-        .bind(signed(trace.size_bytes))
-        .bind(&trace.sha256)
-        .bind(signed(trace.samples))
-        .bind(trace.duration_s)
-        .bind(micros(trace.created_at))
-        .execute(connection)
-        .await?;
-    Ok(())
-}
-
-pub(super) async fn trace(readers: &SqlitePool, id: Id) -> Result<Option<TraceRecord>, StoreError> {
-    let Some(row) = sqlx::query(ONE).bind(id.to_string()).fetch_optional(readers).await? else {
-        return Ok(None);
-    };
-    let mut row = Reader::new(&row, "trace", 0);
-    Ok(Some(TraceRecord {
-        id: row.id()?,
-        actuator_id: row.id_or_null()?,
-        recorded_at: row.time_or_null()?,
-        usage: row.value()?,
-        media_type: row.value()?,
-        columns: row.value()?,
-        sample_rate_hz: row.value()?,
-        size_bytes: row.count()?,
-        sha256: row.value()?,
-        samples: row.count()?,
-        duration_s: row.value()?,
-        created_at: row.time()?,
-    }))
 }
