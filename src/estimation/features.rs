@@ -64,11 +64,11 @@ fn sampled(trace: &Trace, channel: Channel, at: Option<Window>, needs: &str) -> 
     let values = trace.channel(channel).ok_or_else(|| format!("{column} was not recorded"))?;
     let at = at.ok_or_else(|| format!("the command has no manoeuvre that shows {column}: {needs}"))?;
     let inside = &values[window(trace.time_s(), at.from_s, at.to_s)];
-    let mean = mean_between(trace.time_s(), values, at.from_s, at.to_s).filter(|_| inside.len() >= 3);
-    let mean = mean.ok_or_else(|| {
-        format!("{column} has {} samples from {:.3} to {:.3} s, expected at least 3", inside.len(), at.from_s, at.to_s)
+    let known = mean_between(trace.time_s(), values, at.from_s, at.to_s)
+        .zip(standard_error(inside, BATCHES.min(inside.len() / 2)));
+    let (mean, error) = known.ok_or_else(|| {
+        format!("{column} has {} samples from {:.3} to {:.3} s, expected at least 4", inside.len(), at.from_s, at.to_s)
     })?;
-    let error = standard_error(inside, BATCHES.min(inside.len() / 2)).unwrap_or(0.0);
     let peak = inside.iter().fold(0.0_f64, |peak, v| peak.max(v.abs()));
     Ok(Sampled { mean, error, peak, window: at })
 }

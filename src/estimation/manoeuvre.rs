@@ -8,6 +8,8 @@ const RAMP_MIN_M_PER_S: f64 = 0.005;
 const STEP_MIN_M: f64 = 0.02;
 /// How far a straight piece may stray from its chord, as a part of the command's range.
 const STRAY: f64 = 1e-3;
+/// A command in more pieces than this is no manoeuvre but noise, a chirp, or a sine.
+const PIECES_MAX: usize = 1000;
 /// The least length of a ramp whose end is steady, s.
 const RAMP_MIN_S: f64 = 1.0;
 /// The current's window: from and to before the ramp's end, s (section 7.2: 1.8 to 1.9 s of a ramp that ends at 2 s).
@@ -99,7 +101,8 @@ fn step_s(time_s: &[f64], piece: &Piece) -> f64 {
     (time_s[piece.last] - time_s[piece.first]) / (piece.last - piece.first) as f64
 }
 
-/// Cuts a command into straight pieces where it strays most from a chord (Ramer, Douglas and Peucker).
+/// Cuts a command into straight pieces where it strays most from a chord (Ramer, Douglas and Peucker); none when it takes
+/// too many. Of places that stray alike the middle one is cut, so that a regular command falls into halves.
 fn straight_pieces(time_s: &[f64], command_m: &[f64]) -> Vec<Piece> {
     let (low, high) = command_m.iter().fold((f64::MAX, f64::MIN), |(l, h), &c| (l.min(c), h.max(c)));
     let stray_max_m = (STRAY * (high - low)).max(1e-9);
@@ -109,10 +112,17 @@ fn straight_pieces(time_s: &[f64], command_m: &[f64]) -> Vec<Piece> {
         let Piece { first, last } = piece;
         let slope = (command_m[last] - command_m[first]) / (time_s[last] - time_s[first]);
         let stray_m = |i: usize| (command_m[i] - command_m[first] - slope * (time_s[i] - time_s[first])).abs();
-        let worst = (first + 1..last).max_by(|&a, &b| stray_m(a).total_cmp(&stray_m(b)));
-        match worst.filter(|&i| stray_m(i) > stray_max_m) {
-            Some(cut) => open.extend([Piece { first: cut, last }, Piece { first, last: cut }]),
-            None => pieces.push(piece),
+        let worst_m = (first + 1..last).map(stray_m).fold(0.0, f64::max);
+        if worst_m <= stray_max_m {
+            pieces.push(piece);
+        } else {
+            let from_middle = |&i: &usize| i.abs_diff(first.midpoint(last));
+            let cut = (first + 1..last).filter(|&i| stray_m(i) == worst_m).min_by_key(from_middle);
+            let cut = cut.expect("the worst stray is somewhere");
+            open.extend([Piece { first: cut, last }, Piece { first, last: cut }]);
+        }
+        if pieces.len() + open.len() > PIECES_MAX {
+            return Vec::new();
         }
     }
     pieces
@@ -152,6 +162,13 @@ mod tests {
         assert_eq!(found("sine:0.05@0.5", 6.0, 1000.0), Manoeuvres::default());
         assert_eq!(found("diagnostic", 0.9, 1000.0), Manoeuvres::default());
         assert_eq!(found("sequence:0.05@1,0@1.5", 2.0, 1000.0), Manoeuvres::default());
+    }
+
+    #[test]
+    fn a_command_that_alternates_a_million_times_is_no_manoeuvre_and_is_soon_known_to_be_none() {
+        let time_s: Vec<f64> = (0..1_000_000).map(|k| f64::from(k) * 1e-4).collect();
+        let command_m: Vec<f64> = (0..1_000_000).map(|k| f64::from(k % 2)).collect();
+        assert_eq!(find(&time_s, &command_m), Manoeuvres::default());
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod search;
 pub mod uncertainty;
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -31,11 +32,11 @@ const MOTION_MIN: f64 = 0.5;
 /// The part of a feature that may remain unexplained.
 const MISFIT_MAX: f64 = 0.05;
 
-/// Whether a trace determined at least one of the faults that were asked for.
+/// Whether a trace determined the faults. The features objective determines both or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// At least one fault has a figure.
+    /// The faults have figures.
     Conclusive,
     /// No fault has one; the reasons say why.
     Inconclusive,
@@ -51,6 +52,11 @@ impl Verdict {
         }
     }
 }
+
+/// How many candidates a generation may have.
+pub const POPULATION: RangeInclusive<usize> = 4..=1000;
+/// How many generations a search may breed.
+pub const GENERATIONS: RangeInclusive<usize> = 0..=1000;
 
 /// How to search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -83,7 +89,7 @@ pub struct Estimate {
     pub fdj_n_std: Option<f64>,
     /// The objective at the best candidate (dimensionless, section 7.2); `None` when no search was made.
     pub cost: Option<f64>,
-    /// Monitoring-model runs that were made.
+    /// Monitoring-model runs that the search made.
     pub evaluations: u64,
     /// The search method.
     pub method: String,
@@ -212,15 +218,12 @@ fn misfits(measured: &Features, modelled: &Features, bias: &Bias) -> Vec<String>
 
 impl Settings {
     fn check(&self) -> Result<(), EstimationError> {
-        let expect = |name, found: usize, min: usize| {
-            if (min..=1000).contains(&found) {
-                Ok(())
-            } else {
-                Err(EstimationError::Setting { name, found, min, max: 1000 })
-            }
+        let expect = |name, found: usize, range: RangeInclusive<usize>| {
+            let (min, max) = (*range.start(), *range.end());
+            if range.contains(&found) { Ok(()) } else { Err(EstimationError::Setting { name, found, min, max }) }
         };
-        expect("population", self.population, 4)?;
-        expect("generations", self.generations, 0)
+        expect("population", self.population, POPULATION)?;
+        expect("generations", self.generations, GENERATIONS)
     }
 }
 

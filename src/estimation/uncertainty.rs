@@ -1,4 +1,7 @@
 //! How well an estimate is known: the spread of the features, carried back through the model.
+//!
+//! The spread is that of the noise and of the known bias between the models. What no model here has, such as a leaking
+//! valve, is not in it: it looks like demagnetisation in these two features.
 
 use nalgebra::{Matrix2, Vector2};
 

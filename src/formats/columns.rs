@@ -2,12 +2,14 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::faults::{Faults, clip};
+use super::errors::{FormatErrors, clip, only};
 use super::names::{COMMAND, CURRENT, KNOWN, LOAD_PRESSURE, Meaning, Role, TIME, accepted, accepted_for, meaning};
 use super::{FormatError, ReadOptions};
 use crate::models::trace::{Channel, GAP_RATIO, Trace, TraceError};
 use crate::units::Unit;
 
+/// The most columns that a file may have.
+const COLUMNS_MAX: usize = 1000;
 /// The most names of a file's columns that an error lists.
 const NAMES_SHOWN_MAX: usize = 20;
 
@@ -41,7 +43,7 @@ impl Columns {
         names: Vec<String>,
         options: &ReadOptions,
         places: &impl Places,
-        faults: &mut Faults,
+        faults: &mut FormatErrors,
     ) -> Self {
         let map = check_map(&names, options, faults);
         let mut columns: Vec<Column> = Vec::with_capacity(names.len());
@@ -87,7 +89,7 @@ impl Columns {
         self.columns.iter().position(|column| column.role == *role)
     }
 
-    fn check_presence(&self, places: &impl Places, faults: &mut Faults) {
+    fn check_presence(&self, places: &impl Places, faults: &mut FormatErrors) {
         let has = |role: &Role| self.find(role).is_some();
         let mut missing = |what: String| faults.add(|| places.names(), || what);
         if !has(&TIME) && self.sample_rate_hz.is_none() {
@@ -152,7 +154,7 @@ impl Columns {
     fn check_lengths(&self, data: &[Vec<f64>], places: &impl Places) -> Result<usize, Vec<FormatError>> {
         let guide = self.find(&TIME).or_else(|| self.find(&COMMAND)).unwrap_or_default();
         let expected = data.get(guide).map_or(0, Vec::len);
-        let mut faults = Faults::default();
+        let mut faults = FormatErrors::default();
         for (column, values) in self.columns.iter().zip(data).filter(|(_, values)| values.len() != expected) {
             let (found, guide) = (values.len(), clip(self.name(guide)));
             let detail = || format!("found {found} values, expected {expected} as {guide} has");
@@ -163,7 +165,7 @@ impl Columns {
 
     /// Says what is wrong with a trace in terms of the file.
     fn locate(&self, errors: Vec<TraceError>, places: &impl Places) -> Vec<FormatError> {
-        let mut faults = Faults::default();
+        let mut faults = FormatErrors::default();
         for error in errors {
             let (place, detail) = match &error {
                 TraceError::NotFinite { column, row, found } => (
@@ -183,7 +185,9 @@ impl Columns {
                     ),
                 ),
                 TraceError::Missing { .. } | TraceError::Length { .. } => (places.names(), error.to_string()),
-                TraceError::TooShort { .. } | TraceError::TooLong { .. } => ("file".into(), error.to_string()),
+                TraceError::TooShort { .. } | TraceError::TooLong { .. } | TraceError::TooLate { .. } => {
+                    ("file".into(), error.to_string())
+                }
             };
             faults.add(|| place, || detail);
         }
@@ -200,13 +204,23 @@ impl Columns {
     }
 }
 
+/// Refuses a file with so many columns that looking at each would take long.
+pub(super) fn check_number(names: &[String], places: &impl Places) -> Result<(), Vec<FormatError>> {
+    match names.len() {
+        found if found > COLUMNS_MAX => {
+            Err(only(places.names(), format!("found {found} columns, expected at most {COLUMNS_MAX}")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// A number with six digits, enough for a person.
 fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
 }
 
 /// The column map of the options, after a look at whether its names, and the sample rate, can be right.
-fn check_map<'a>(names: &[String], options: &'a ReadOptions, faults: &mut Faults) -> HashMap<&'a str, &'a str> {
+fn check_map<'a>(names: &[String], options: &'a ReadOptions, faults: &mut FormatErrors) -> HashMap<&'a str, &'a str> {
     if let Some(rate) = options.sample_rate_hz.filter(|rate| !rate.is_finite() || *rate <= 0.0) {
         faults.add(|| "sample_rate_hz".into(), || format!("found {rate:?}, expected a finite number above 0"));
     }

@@ -4,8 +4,8 @@ use std::io::Write;
 
 use ::csv::{Reader, ReaderBuilder, StringRecord, Writer};
 
-use super::columns::{Columns, Places};
-use super::faults::{Faults, clip, only};
+use super::columns::{Columns, Places, check_number};
+use super::errors::{FormatErrors, clip, only};
 use super::number::{bare, parse};
 use super::{FormatError, ReadOptions};
 use crate::models::trace::Trace;
@@ -104,10 +104,11 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Trace, Vec<Forma
     if names.iter().all(|name| parse(name).is_ok()) {
         return Err(only(lines.names(), "found numbers, expected a header line with the names of the columns"));
     }
-    let mut faults = Faults::default();
+    let mut faults = FormatErrors::default();
     if let Some(empty) = names.iter().position(String::is_empty) {
         faults.add(|| lines.names(), || format!("found nothing as the name of column {}, expected a name", empty + 1));
     }
+    check_number(&names, &lines)?;
     let columns = Columns::resolve(names, options, &lines, &mut faults);
     let data = read_numbers(&mut rows, &columns, &mut lines.samples, &mut faults);
     faults.into_result()?;
@@ -115,7 +116,7 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Trace, Vec<Forma
 }
 
 /// Reads every row, and adds its line to `lines`. The numbers are of use only when there were no faults.
-fn read_numbers(rows: &mut Rows, columns: &Columns, lines: &mut Vec<u64>, faults: &mut Faults) -> Vec<Vec<f64>> {
+fn read_numbers(rows: &mut Rows, columns: &Columns, lines: &mut Vec<u64>, faults: &mut FormatErrors) -> Vec<Vec<f64>> {
     let expected = columns.len();
     let mut data = vec![Vec::new(); expected];
     while rows.next().is_some() {

@@ -7,8 +7,8 @@ use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Vis
 use serde::{Serialize, Serializer};
 use serde_path_to_error::{Path, Segment};
 
-use super::columns::{Columns, Places};
-use super::faults::{Faults, clip, only};
+use super::columns::{Columns, Places, check_number};
+use super::errors::{FormatErrors, clip, only};
 use super::{FormatError, ReadOptions};
 use crate::models::trace::Trace;
 
@@ -63,6 +63,7 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Trace, Vec<Forma
         names.push(name);
         data.push(numbers.values);
     }
+    check_number(&names, &Pointers)?;
     let columns = Columns::resolve(names, options, &Pointers, &mut faults);
     faults.into_result()?;
     columns.into_trace(data, &Pointers)
@@ -87,7 +88,7 @@ fn stopped(pointer: &str, error: &serde_json::Error) -> Vec<FormatError> {
 #[derive(Default)]
 struct Document {
     columns: Option<NamedNumbers>,
-    faults: Faults,
+    faults: FormatErrors,
 }
 
 /// The columns in the order of the file, doubled names and all.
@@ -97,7 +98,7 @@ struct NamedNumbers(Vec<(String, Numbers)>);
 #[derive(Default)]
 struct Numbers {
     values: Vec<f64>,
-    faults: Faults,
+    faults: FormatErrors,
 }
 
 /// An element of such an array: a number, or what was found instead of one.

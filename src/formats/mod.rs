@@ -5,7 +5,7 @@
 
 mod columns;
 mod csv;
-mod faults;
+mod errors;
 mod json;
 mod names;
 mod number;
@@ -13,7 +13,7 @@ mod number;
 use thiserror::Error;
 
 use crate::models::trace::Trace;
-use faults::{Faults, clip, only};
+use errors::{FormatErrors, clip, only};
 
 /// A file format of traces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -77,7 +77,7 @@ impl ReadOptions {
     /// # Errors
     /// Every entry that is not a pair of names; never empty. Whether the names exist is seen when a file is read.
     pub fn parse_columns(map: &str) -> Result<Vec<(String, String)>, Vec<FormatError>> {
-        let mut faults = Faults::default();
+        let mut faults = FormatErrors::default();
         let mut columns = Vec::new();
         for entry in map.split(',').filter(|_| !map.trim().is_empty()) {
             match entry.rsplit_once(':').map(|(from, to)| (from.trim(), to.trim())) {

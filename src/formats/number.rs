@@ -1,6 +1,6 @@
 //! Numbers as text files hold them.
 
-use super::faults::clip;
+use super::errors::clip;
 use crate::units::prefix_exponent;
 
 /// Reads a number with a decimal point. Spaces and quotation marks around it and an SI prefix after it (`25.1m`, `-3k`)

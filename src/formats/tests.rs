@@ -50,6 +50,14 @@ fn an_example_is_read_in_si_units() {
 }
 
 #[test]
+fn a_file_with_too_many_columns_is_refused_at_once() {
+    let names: Vec<String> = (0..2000).map(|i| format!("column_{i}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let found = errors(counting(&names, &ReadOptions::default()));
+    assert_eq!(found, ["line 1: found 2000 columns, expected at most 1000"]);
+}
+
+#[test]
 fn every_unit_of_every_quantity_is_converted() {
     for (names, channel, si) in [
         (

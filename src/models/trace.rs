@@ -8,6 +8,8 @@ use thiserror::Error;
 pub const SAMPLES_MIN: usize = 10;
 /// The most samples that a trace may have: ten minutes at 10 kHz.
 pub const SAMPLES_MAX: usize = 6_000_000;
+/// The longest time that a trace may cover, s.
+pub const DURATION_MAX_S: f64 = 600.0;
 /// A time step this many times the median one is a gap. Uneven sampling below it is fine.
 pub const GAP_RATIO: f64 = 10.0;
 
@@ -118,6 +120,12 @@ pub enum TraceError {
         /// The number of samples.
         found: usize,
     },
+    /// Too long a time.
+    #[error("found a trace of {found} s, expected at most {DURATION_MAX_S} s")]
+    TooLate {
+        /// The time from the first sample to the last, s.
+        found: f64,
+    },
     /// Too many samples.
     #[error("found {found} samples, expected at most {SAMPLES_MAX}")]
     TooLong {
@@ -205,7 +213,7 @@ impl Trace {
     }
 }
 
-/// The first fault of a time axis: a value that is not finite, a step that is not positive, a gap.
+/// The first fault of a time axis: a value that is not finite, a step that is not positive, a gap, too long a time.
 fn check_times(time_s: &[f64]) -> Option<TraceError> {
     if let Some(error) = check_column("time_s", time_s, time_s.len()) {
         return Some(error);
@@ -216,8 +224,11 @@ fn check_times(time_s: &[f64]) -> Option<TraceError> {
     let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
     let median = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let at = time_s.windows(2).position(|pair| pair[1] - pair[0] > GAP_RATIO * median)?;
-    Some(TraceError::Gap { row: at + 1, found: time_s[at + 1] - time_s[at], median })
+    if let Some(at) = time_s.windows(2).position(|pair| pair[1] - pair[0] > GAP_RATIO * median) {
+        return Some(TraceError::Gap { row: at + 1, found: time_s[at + 1] - time_s[at], median });
+    }
+    let found = time_s[time_s.len() - 1] - time_s[0];
+    (found > DURATION_MAX_S).then_some(TraceError::TooLate { found })
 }
 
 /// The first fault of one column.
@@ -251,6 +262,12 @@ mod tests {
         time_s.iter_mut().skip(30).for_each(|t| *t += 1.0);
         let errors = trace_with_times(time_s).unwrap_err();
         assert!(matches!(errors[..], [TraceError::Gap { row: 30, .. }]), "{errors:?}");
+    }
+
+    #[test]
+    fn a_trace_that_covers_too_long_a_time_is_refused() {
+        let errors = trace_with_times((0..100).map(|i| f64::from(i) * 10.0).collect()).unwrap_err();
+        assert_eq!(errors, [TraceError::TooLate { found: 990.0 }]);
     }
 
     #[test]

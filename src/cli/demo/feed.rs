@@ -34,6 +34,7 @@ pub fn feed(client: &Client) -> anyhow::Result<Tally> {
     let unfinished = unfinished(client)?;
     wait(client, unfinished, &ProgressBar::hidden())?;
     let ids = register(client)?;
+    maintain(client, &ids)?;
     let missing = missing(client, &ids)?;
     let bars = MultiProgress::new();
     let bar = |what: &'static str| {
@@ -82,15 +83,25 @@ fn register(client: &Client) -> anyhow::Result<HashMap<String, String>> {
             }),
         )?;
         let (serial_number, id) = entry(&record)?;
-        if let Some(before) = member.replaced_before {
-            let (at, usage) = replaced(before);
-            let note = "demagnetising fast; part changed";
-            let event = json!({"kind": "replaced", "at": at.to_string(), "usage": usage, "note": note});
-            client.post(&format!("/v1/actuators/{id}/maintenance"), &event)?;
-        }
         ids.insert(serial_number, id);
     }
     Ok(ids)
+}
+
+/// Reports the replacements that the service does not know of.
+fn maintain(client: &Client, ids: &HashMap<String, String>) -> anyhow::Result<()> {
+    for member in FLEET {
+        let path = format!("/v1/actuators/{}/maintenance", ids[member.serial_number]);
+        if let Some(before) = member.replaced_before
+            && client.list(&path)?.is_empty()
+        {
+            let (at, usage) = replaced(before);
+            let note = "demagnetising fast; part changed";
+            let event = json!({"kind": "replaced", "at": at.to_string(), "usage": usage, "note": note});
+            client.post(&path, &event)?;
+        }
+    }
+    Ok(())
 }
 
 /// The flights that the service does not have: (index in the fleet, flight), flight by flight as a fleet flies them.

@@ -100,3 +100,31 @@ pub fn replaced(before: u32) -> (Timestamp, f64) {
     let (at, usage) = recorded(before);
     (at - SignedDuration::from_hours(24), usage - HOURS_BETWEEN / 2.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+
+    #[test]
+    fn the_fleet_has_what_the_demo_promises() {
+        let tails: HashSet<&str> = FLEET.iter().map(|member| member.tail_number).collect();
+        assert!(FLEET.len() >= 8 && tails.len() == 3 && FLIGHTS >= 20);
+        let last = |index: usize| FLEET[index].flight(index, FLIGHTS - 1).1;
+        assert!((0..FLEET.len()).any(|i| last(i).kgm < 0.03 && last(i).fdj_n < 230.0), "one is healthy");
+        assert!((0..FLEET.len()).any(|i| (0.35..0.4).contains(&last(i).kgm)), "one is near its threshold");
+        assert!(FLEET.iter().any(|member| member.replaced_before.is_some_and(|flight| flight > 8)), "one is replaced");
+    }
+
+    #[test]
+    fn a_replaced_part_starts_again_from_healthy() {
+        let (index, member) = FLEET.iter().enumerate().find(|(_, m)| m.replaced_before.is_some()).unwrap();
+        let first = member.replaced_before.unwrap();
+        let (before, after) = (member.flight(index, first - 1).1, member.flight(index, first).1);
+        assert!(before.kgm > 0.2 && after.kgm < 0.05, "{before:?} {after:?}");
+        let (at, usage) = replaced(first);
+        assert!(recorded(first - 1).0 < at && at < recorded(first).0);
+        assert!(recorded(first - 1).1 < usage && usage < recorded(first).1);
+    }
+}

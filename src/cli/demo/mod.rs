@@ -9,13 +9,14 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use clap::Args;
 use tokio::sync::oneshot;
+use tokio::task::JoinError;
 
 use super::Failure;
 use super::serve::{refused, stop_signal};
-use crate::app::Application;
+use crate::app::{AppError, Application};
 use crate::config::Config;
 use crate::telemetry;
 use client::Client;
@@ -50,25 +51,36 @@ async fn demo(config: &Config, exit: bool) -> Result<(), Failure> {
     let application = Application::build(config).await.map_err(refused)?;
     let address = format!("http://{}", application.address());
     let (stop, told) = oneshot::channel::<()>();
-    let service = tokio::spawn(application.run(async {
+    let mut service = tokio::spawn(application.run(async {
         // A sender that is dropped stops the service as well.
         let _ = told.await;
     }));
     let client = Client::new(&address);
     let feeding = tokio::task::spawn_blocking(move || show(&client));
-    let interrupted = tokio::select! {
-        shown = feeding => {
-            shown.context("the demo ended early").and_then(|shown| shown).map_err(Failure::work)?;
-            false
-        }
-        () = stopped => true,
+    let shown = tokio::select! {
+        shown = feeding => shown.context("the demo ended early").and_then(|shown| shown),
+        ended = &mut service => return Err(ended_early(ended)),
+        () = stopped => Err(anyhow!("interrupted before the last job ended")),
     };
-    if !exit && !interrupted {
+    if shown.is_ok() && !exit {
         println!("\nDashboard: {address}/\nThe service stays up; ctrl-c ends it.");
-        stop_signal().map_err(Failure::work)?.await;
+        tokio::select! {
+            () = stop_signal().map_err(Failure::work)? => {}
+            ended = &mut service => return Err(ended_early(ended)),
+        }
     }
     let _ = stop.send(());
-    service.await.map_err(Failure::work)?.map_err(Failure::work)
+    let stopped = service.await.map_err(Failure::work)?.map_err(Failure::work);
+    shown.map_err(Failure::work).and(stopped)
+}
+
+/// A service that ended before it was told to.
+fn ended_early(ended: Result<Result<(), AppError>, JoinError>) -> Failure {
+    match ended {
+        Ok(Ok(())) => Failure::work(anyhow!("the service ended early")),
+        Ok(Err(error)) => Failure::work(error),
+        Err(error) => Failure::work(error),
+    }
 }
 
 /// Feeds the fleet, waits for every job and prints the ranking.

@@ -23,7 +23,7 @@ pub struct RemainingLife {
     pub actuator_id: Id,
     /// When the newest trace of this life was recorded; null without one.
     pub as_of: Option<Timestamp>,
-    /// The usage then, from which remaining life counts.
+    /// The most usage that a trace of this life has, from which remaining life counts.
     pub usage: Option<f64>,
     /// What usage and remaining life count.
     pub unit: UsageUnit,
@@ -139,7 +139,8 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> 
     let unit = actuator.usage_unit;
     let LifeHistory { life_start_usage, records: history, .. } = history;
     let newest = history.last();
-    let at = newest.map(|record| record.usage).or(*life_start_usage).unwrap_or(0.0);
+    // Usage never falls: a newer trace with less usage is in doubt, not all those before it.
+    let at = history.iter().map(|record| record.usage).reduce(f64::max).or(*life_start_usage).unwrap_or(0.0);
     let life_start = life_start_usage.filter(|&start| start <= at);
     let ask = |threshold, healthy, figure: fn(&HealthRecord) -> (Option<f64>, Option<f64>)| {
         let direction = Direction::Rising;
@@ -159,6 +160,13 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> 
     }
     let mut first_to_fail = competing(&parts).expect("both faults were asked of one usage and one window");
     first_to_fail.reasons.extend(refused);
+    if let Some(fallen) = history.windows(2).find(|pair| pair[1].usage < pair[0].usage) {
+        let [before, after] = [0, 1].map(|i| (fallen[i].usage, fallen[i].trace_id));
+        first_to_fail.reasons.push(format!(
+            "usage fell from {} (trace {}) to {} (trace {}): one of them is wrong",
+            before.0, before.1, after.0, after.1
+        ));
+    }
     if let Some(start) = life_start_usage.filter(|&start| start > at) {
         first_to_fail
             .reasons
@@ -167,7 +175,7 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> 
     RemainingLife {
         actuator_id: actuator.id,
         as_of: newest.map(|record| record.recorded_at),
-        usage: newest.map(|record| record.usage),
+        usage: newest.map(|_| at),
         unit,
         forecast: timed(&first_to_fail, unit, elapsed_s),
         risk: risk(&first_to_fail),
@@ -290,6 +298,18 @@ mod tests {
         let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, Some(5000.0)), 100.0);
         assert!(life.forecast.is_some());
         assert!(life.reasons.iter().any(|reason| reason.contains("5000")), "{:?}", life.reasons);
+    }
+
+    #[test]
+    fn a_newer_trace_with_less_usage_is_named_and_does_not_wipe_out_the_history() {
+        let sound = history(0.03, 5.0, None);
+        let mut mistyped = sound.clone();
+        mistyped.records[10].usage = 45.0;
+        let life = predict(&actuator(Thresholds::default()), &mistyped, 100.0);
+        assert_eq!(life.usage, Some(900.0));
+        assert!(life.reasons.iter().any(|reason| reason.contains("usage fell from 900")), "{:?}", life.reasons);
+        let expected = median(predict(&actuator(Thresholds::default()), &sound, 100.0).forecast.as_ref());
+        assert!((median(life.forecast.as_ref()) - expected - 100.0).abs() < 0.2 * expected, "{life:?}");
     }
 
     #[test]

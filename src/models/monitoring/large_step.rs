@@ -3,7 +3,7 @@
 //! Source: the equations of the semi-implicit step; flapper and spool by the exact matrix exponential of their linear
 //! motion, pressure and jack velocity together, linearly implicit in the flow.
 //! Signs: as in the semi-implicit step.
-//! Range: time steps up to 5e-4 s; the features stay within 1e-4 of those at 1e-5 s (measured in docs/performance.md).
+//! Range: time steps up to 5e-4 s; the features stay within 1e-4 of those at 1e-5 s (tests/it/models/lanes.rs).
 //! Limits: first order in time; a body that changes its direction rests for one step.
 
 use nalgebra::Matrix4;
@@ -48,12 +48,6 @@ impl LargeStep {
     #[must_use]
     pub fn model(&self) -> &Model {
         &self.model
-    }
-
-    /// The time step, s.
-    #[must_use]
-    pub fn time_step_s(&self) -> f64 {
-        self.time_step_s
     }
 
     /// One time step, in signal order.

@@ -11,19 +11,17 @@ use utoipa::ToSchema;
 use super::drive::Drive;
 use super::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
 use super::parameters::ParameterSet;
-use super::trace::{SAMPLES_MIN, Trace};
+use super::trace::{DURATION_MAX_S, SAMPLES_MIN, Trace};
 use super::{monitoring, reference};
 use crate::numeric::rng::Seed;
 use crate::numeric::watch::Watch;
 use plant::{MonitoringPlant, Plant};
 use recorder::Recorder;
 
-/// The longest simulation, s.
-pub const DURATION_MAX_S: f64 = 600.0;
 /// The fastest sampling, Hz.
 pub const SAMPLE_RATE_MAX_HZ: f64 = 1e5;
 /// The most samples that a simulation may make: ten times a 6 s trace at 10 kHz.
-pub const SAMPLES_MAX: f64 = 600_000.0;
+pub const SIMULATED_SAMPLES_MAX: f64 = 600_000.0;
 /// Steps between two looks at the watch.
 const STEPS_PER_LOOK: u64 = 20_000;
 
@@ -107,7 +105,7 @@ impl Simulation {
         expect(duration_s > 0.0 && duration_s <= DURATION_MAX_S, "duration_s", duration_s, "above 0, at most 600 s");
         expect((1.0..=SAMPLE_RATE_MAX_HZ).contains(&rate_hz), "sample_rate_hz", rate_hz, "1 to 100000 Hz");
         let samples = (duration_s * rate_hz).floor() + 1.0;
-        let fits = (SAMPLES_MIN as f64..=SAMPLES_MAX).contains(&samples);
+        let fits = (SAMPLES_MIN as f64..=SIMULATED_SAMPLES_MAX).contains(&samples);
         expect(fits, "duration_s times sample_rate_hz", samples, "10 to 600000 samples");
         errors
     }

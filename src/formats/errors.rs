@@ -9,12 +9,12 @@ const SHOWN_MAX: usize = 60;
 
 /// The faults found so far. The first [`FAULTS_MAX`] are kept, the rest are counted.
 #[derive(Debug, Default)]
-pub(super) struct Faults {
+pub(super) struct FormatErrors {
     kept: Vec<FormatError>,
     more: usize,
 }
 
-impl Faults {
+impl FormatErrors {
     /// Adds a fault. `detail` is only asked for when the fault is kept.
     pub(super) fn add(&mut self, place: impl FnOnce() -> String, detail: impl FnOnce() -> String) {
         if self.kept.len() < FAULTS_MAX {
@@ -67,9 +67,9 @@ mod tests {
 
     #[test]
     fn twenty_faults_are_told_and_the_others_are_counted() {
-        let mut part = Faults::default();
+        let mut part = FormatErrors::default();
         (0..25).for_each(|i| part.add(|| format!("/{i}"), || "found nothing".into()));
-        let mut faults = Faults::default();
+        let mut faults = FormatErrors::default();
         faults.add(|| "file".into(), || "found nothing".into());
         faults.add_part("/columns/time_s", part);
         let errors = faults.into_result().unwrap_err();
