@@ -1,13 +1,14 @@
 //! The estimation on traces of the reference model, whose faults are known, and on traces that must not be believed.
 
 use std::collections::BTreeMap;
+use std::sync::Mutex;
 
-use elevon::estimation::{Estimate, Settings, Verdict, estimate};
+use elevon::estimation::{Estimate, EstimationError, Settings, Verdict, estimate};
 use elevon::models::fault::Faults;
 use elevon::models::parameters::ParameterSet;
 use elevon::models::simulate::{ModelKind, Simulation, simulate};
 use elevon::models::trace::{Channel, Trace};
-use elevon::numeric::watch::Unwatched;
+use elevon::numeric::watch::{Unwatched, Watch};
 use rayon::prelude::*;
 
 /// A trace of the reference model at 1 kHz.
@@ -174,4 +175,34 @@ fn settings_out_of_range_are_refused_with_their_range() {
     let settings = Settings { population: 3, ..Settings::default() };
     let refused = estimate(&diagnostic(0.1, 300.0), &ParameterSet::reference(), &settings, &Unwatched).unwrap_err();
     assert_eq!(refused.to_string(), "population: found 3, expected 4 to 1000");
+}
+
+#[test]
+fn progress_rises_to_its_end_and_a_cancelled_search_ends_at_once() {
+    /// Keeps what it is told, and asks for an end after so many reports.
+    struct Looker {
+        reports: Mutex<Vec<f64>>,
+        patience: usize,
+    }
+    impl Watch for Looker {
+        fn progress(&self, fraction: f64) {
+            self.reports.lock().unwrap().push(fraction);
+        }
+
+        fn cancelled(&self) -> bool {
+            self.reports.lock().unwrap().len() >= self.patience
+        }
+    }
+    let trace = diagnostic(0.1, 300.0);
+    let watched = |patience: usize| {
+        let looker = Looker { reports: Mutex::default(), patience };
+        let found = estimate(&trace, &ParameterSet::reference(), &Settings::default(), &looker);
+        (found, looker.reports.into_inner().unwrap())
+    };
+    let (found, reports) = watched(usize::MAX);
+    assert_eq!(found.unwrap().verdict, Verdict::Conclusive);
+    assert!(reports.len() > 11 && reports.windows(2).all(|pair| pair[0] < pair[1]), "{reports:?}");
+    assert!(reports.iter().all(|fraction| (0.0..=1.0).contains(fraction)));
+    let (found, reports) = watched(3);
+    assert_eq!((found, reports.len()), (Err(EstimationError::Cancelled), 3));
 }

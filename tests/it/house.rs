@@ -4,25 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What each layer may name of the others (docs/architecture.md).
-const MAY_NAME: [(&str, &[&str]); 15] = [
-    ("units", &[]),
-    ("numeric", &[]),
-    ("models", &["numeric"]),
-    ("optimiser", &["numeric"]),
-    ("estimation", &["models", "numeric", "optimiser"]),
-    ("prognostics", &[]),
-    ("formats", &["models", "units"]),
-    ("store", &["estimation"]),
-    ("jobs", &["estimation", "formats", "models", "numeric", "prognostics", "store"]),
-    ("telemetry", &["config"]),
-    ("config", &[]),
-    ("http", &["config", "estimation", "formats", "jobs", "models", "prognostics", "store", "telemetry"]),
-    ("app", &["config", "http", "jobs", "store", "telemetry"]),
-    ("cli", &["app", "config", "estimation", "formats", "http", "models", "numeric", "telemetry"]),
-    ("main", &["cli"]),
-];
-
 /// Layers that compute and must not touch the world.
 const CORE: [&str; 6] = ["units", "numeric", "models", "optimiser", "estimation", "prognostics"];
 
@@ -69,18 +50,30 @@ fn names_after<'a>(text: &'a str, prefix: &str) -> BTreeSet<&'a str> {
     text.match_indices(prefix).map(|(at, _)| name(&text[at + prefix.len()..])).collect()
 }
 
+/// What each layer may name of the others, as docs/architecture.md says: indented lines of `layer -> others`.
+fn layers() -> BTreeMap<String, BTreeSet<String>> {
+    let document = fs::read_to_string(root().join("docs/architecture.md")).unwrap();
+    let arrow = |line: &str| {
+        let (layer, others) = line.strip_prefix("    ")?.split_once(" ->")?;
+        let others = others.split(',').map(|other| other.trim().to_owned()).filter(|other| !other.is_empty());
+        (!layer.starts_with(' ')).then(|| (layer.to_owned(), others.collect()))
+    };
+    document.lines().filter_map(arrow).collect()
+}
+
 #[test]
 fn dependencies_point_inward_only() {
-    let may_name: BTreeMap<&str, &[&str]> = MAY_NAME.into();
+    let may_name = layers();
     for (layer, path, text) in sources() {
         if layer == "lib" {
             continue;
         }
-        let allowed = may_name.get(layer.as_str()).unwrap_or_else(|| panic!("{layer} has no place in the house"));
+        let allowed = may_name.get(&layer).unwrap_or_else(|| panic!("{layer} has no place in the house"));
         let prefix = if layer == "main" { "elevon::" } else { "crate::" };
+        assert!(!text.contains(&format!("{prefix}{{")), "{} names several layers in one line", path.display());
         for named in names_after(&text, prefix) {
             let known = may_name.contains_key(named);
-            assert!(!known || named == layer || allowed.contains(&named), "{} names {named}", path.display());
+            assert!(!known || named == layer || allowed.contains(named), "{} names {named}", path.display());
         }
     }
 }
@@ -100,8 +93,23 @@ fn the_core_does_not_touch_the_world() {
 fn the_two_models_never_import_each_other() {
     for (_, path, text) in sources() {
         for (one, other) in [("models/reference", "monitoring"), ("models/monitoring", "reference")] {
-            let names_it = text.contains(&format!("{other}::"));
-            assert!(!path.starts_with(one) || !names_it, "{} names the {other} model", path.display());
+            let names_it = |line: &str| line.trim_start().starts_with("use ") && line.contains(other);
+            let imports = text.contains(&format!("{other}::")) || text.lines().any(names_it);
+            assert!(!path.starts_with(one) || !imports, "{} names the {other} model", path.display());
+        }
+    }
+}
+
+#[test]
+fn every_link_of_the_documents_leads_somewhere() {
+    let mut documents = vec![root().join("README.md")];
+    documents.extend(fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path()));
+    for document in documents.iter().filter(|path| path.is_file()) {
+        let text = fs::read_to_string(document).unwrap();
+        for (at, _) in text.match_indices("](") {
+            let target = text[at + 2..].split(')').next().unwrap();
+            let path = document.parent().unwrap().join(target);
+            assert!(target.contains("://") || path.exists(), "{}: {target} is not there", document.display());
         }
     }
 }
