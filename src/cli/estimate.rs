@@ -8,9 +8,9 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::Failure;
 use super::progress::{Bar, Part};
-use crate::estimation::{Estimate, Settings, Verdict, estimate};
+use super::{Failure, print};
+use crate::estimation::{Estimate, Settings, estimate};
 use crate::formats::{self, Format, FormatError, ReadOptions};
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::Trace;
@@ -63,14 +63,16 @@ pub fn run(args: &EstimateArgs) -> Result<(), Failure> {
         .par_iter()
         .enumerate()
         .map(|(index, file)| report(file, &options, &settings, &set, &parts.part(index)))
+        .collect::<Vec<_>>()
+        .into_iter()
+        // In the order of the files, so that the same error is told every time.
         .collect::<Result<_, _>>()?;
     bar.finish();
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&reports).map_err(Failure::work)?);
+        print(&(serde_json::to_string_pretty(&reports).map_err(Failure::work)? + "\n"))
     } else {
-        reports.iter().for_each(print);
+        print(&reports.iter().map(told).collect::<String>())
     }
-    Ok(())
 }
 
 fn report<'a>(
@@ -108,18 +110,19 @@ fn first_of(errors: &[FormatError]) -> String {
     }
 }
 
-fn print(report: &Report<'_>) {
+/// A report for a person.
+fn told(report: &Report<'_>) -> String {
     let estimate = &report.estimate;
-    println!("{}", report.file.display());
-    match (estimate.verdict, estimate.kgm, estimate.fdj_n) {
-        (Verdict::Conclusive, Some(kgm), Some(fdj_n)) => {
-            let (kgm_std, fdj_std) = (estimate.kgm_std.unwrap_or(f64::NAN), estimate.fdj_n_std.unwrap_or(f64::NAN));
-            println!("  torque-motor demagnetisation KGM  {kgm:8.4} ± {kgm_std:.4}");
-            println!("  dynamic jack friction FDJ         {fdj_n:8.1} ± {fdj_std:.1} N");
+    let mut lines = vec![report.file.display().to_string()];
+    match (estimate.kgm.zip(estimate.kgm_std), estimate.fdj_n.zip(estimate.fdj_n_std)) {
+        (Some((kgm, kgm_std)), Some((fdj_n, fdj_std))) => {
+            lines.push(format!("  torque-motor demagnetisation KGM  {kgm:8.4} ± {kgm_std:.4}"));
+            lines.push(format!("  dynamic jack friction FDJ         {fdj_n:8.2} ± {fdj_std:.2} N"));
         }
-        _ => println!("  inconclusive"),
+        _ => lines.push("  inconclusive".into()),
     }
-    estimate.reasons.iter().for_each(|reason| println!("  {reason}"));
+    lines.extend(estimate.reasons.iter().map(|reason| format!("  {reason}")));
     let (evaluations, ms) = (estimate.evaluations, report.elapsed_s * 1e3);
-    println!("  {evaluations} model runs, seed {}, {ms:.0} ms", estimate.seed);
+    lines.push(format!("  {evaluations} model runs, seed {}, {ms:.0} ms\n", estimate.seed));
+    lines.join("\n")
 }

@@ -10,6 +10,7 @@ mod serve;
 mod simulate;
 
 use std::ffi::OsString;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use clap::error::ErrorKind;
@@ -75,7 +76,8 @@ impl Failure {
             Self::Usage(error) => (error, 2),
             Self::Work(error) => (error, 1),
         };
-        eprintln!("elevon: {}", one_line(&format!("{error:#}")));
+        // Where standard error cannot be written, the status still tells.
+        let _ = writeln!(io::stderr(), "elevon: {}", one_line(&format!("{error:#}")));
         ExitCode::from(status)
     }
 }
@@ -106,6 +108,17 @@ fn explain(error: &clap::Error) -> ExitCode {
             let what = text[..end.unwrap_or(text.len())].trim_start_matches("error: ").to_owned();
             Failure::usage(anyhow::anyhow!("{what} (see --help)")).report()
         }
+    }
+}
+
+/// Writes to standard output. Whoever stops reading it has seen enough.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut output = io::stdout().lock();
+    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::work(anyhow::Error::new(error).context("standard output")))
+        }
+        _ => Ok(()),
     }
 }
 

@@ -1,17 +1,16 @@
 //! `elevon simulate`: a model makes a trace.
 
 use std::fs;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow};
 use clap::{Args, ValueEnum};
 
-use super::Failure;
 use super::progress::Bar;
+use super::{Failure, print};
 use crate::formats::{self, Format};
 use crate::models::drive::Drive;
-use crate::models::fault::{FDJ_NOMINAL_N, Faults};
+use crate::models::fault::Faults;
 use crate::models::parameters::ParameterSet;
 use crate::models::simulate::{ModelKind, Simulation, simulate};
 
@@ -24,25 +23,26 @@ pub struct SimulateArgs {
     /// diagnostic, step:LEVEL, ramp:SLOPE, sine:AMPLITUDE@HZ or sequence:LEVEL@TIME,... (m, m/s, Hz, s)
     #[arg(long, value_name = "SPEC", allow_hyphen_values = true)]
     command: Drive,
-    /// Torque-motor demagnetisation, 0 to 1
-    #[arg(long, value_name = "F", default_value_t = 0.0, allow_negative_numbers = true)]
-    kgm: f64,
-    /// Dynamic jack friction, N, 200 to 2000
-    #[arg(long, value_name = "F", default_value_t = FDJ_NOMINAL_N, allow_negative_numbers = true)]
-    fdj_n: f64,
-    /// Another fault: kgm, fdj (N), clearance (m) or clogging (0 to 1)
+    /// Torque-motor demagnetisation, 0 to 1 [default: 0]
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    kgm: Option<f64>,
+    /// Dynamic jack friction, N, 200 to 2000 [default: 200]
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
+    fdj_n: Option<f64>,
+    /// A fault by its name, each once: kgm (0 to 1), fdj (N), clearance (extra radial clearance of the sleeve, 0 to 1e-4 m)
+    /// or clogging (0 to 1); the monitoring model has the first two
     #[arg(long = "fault", value_name = "NAME=VALUE", value_parser = parse_fault)]
     faults: Vec<(Fault, f64)>,
-    /// Power of the white noise on the current, mA² s; 5e-6 in the thesis
+    /// Power of the white noise on the reference model's current, mA² s, 0 to 1; 5e-6 in the thesis
     #[arg(long, value_name = "F", default_value_t = 0.0, allow_negative_numbers = true)]
     noise_power: f64,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Length of the trace, s
+    /// Length of the trace, s, at most 600
     #[arg(long, value_name = "S", default_value_t = 6.0, allow_negative_numbers = true)]
     duration: f64,
-    /// Samples per second
+    /// Samples per second, 1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_negative_numbers = true)]
     sample_rate: f64,
     /// Where to: .csv or .json by its extension; - is CSV on standard output
@@ -57,7 +57,7 @@ enum Model {
 }
 
 /// The faults that `--fault` knows.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Fault {
     Kgm,
     Fdj,
@@ -81,19 +81,24 @@ fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
 /// Runs the command.
 pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let format = output_format(&args.out)?;
-    let recipe = recipe(args);
+    let recipe = recipe(args)?;
     if let Some(error) = recipe.check().into_iter().next() {
         return Err(Failure::usage(error));
     }
     let bar = Bar::new("simulating");
     let trace = simulate(&recipe, &ParameterSet::reference(), &bar).map_err(Failure::work)?;
     bar.finish();
-    write(&args.out, &formats::write(format, &trace)).map_err(Failure::work)
+    write(&args.out, &formats::write(format, &trace))
 }
 
-fn recipe(args: &SimulateArgs) -> Simulation {
-    let mut faults = Faults { kgm: args.kgm, fdj_n: args.fdj_n, ..Faults::default() };
-    for &(fault, value) in &args.faults {
+fn recipe(args: &SimulateArgs) -> Result<Simulation, Failure> {
+    let named = [args.kgm.map(|kgm| (Fault::Kgm, kgm)), args.fdj_n.map(|fdj_n| (Fault::Fdj, fdj_n))];
+    let all: Vec<(Fault, f64)> = named.into_iter().flatten().chain(args.faults.iter().copied()).collect();
+    let mut faults = Faults::default();
+    for (i, &(fault, value)) in all.iter().enumerate() {
+        if all[..i].iter().any(|&(other, _)| other == fault) {
+            return Err(Failure::usage(anyhow!("--fault: found {fault:?} twice, expected each fault once")));
+        }
         match fault {
             Fault::Kgm => faults.kgm = value,
             Fault::Fdj => faults.fdj_n = value,
@@ -101,7 +106,7 @@ fn recipe(args: &SimulateArgs) -> Simulation {
             Fault::Clogging => faults.clogging = value,
         }
     }
-    Simulation {
+    Ok(Simulation {
         model: match args.model {
             Model::Reference => ModelKind::Reference,
             Model::Monitoring => ModelKind::Monitoring,
@@ -112,7 +117,7 @@ fn recipe(args: &SimulateArgs) -> Simulation {
         seed: args.seed,
         duration_s: args.duration,
         sample_rate_hz: args.sample_rate,
-    }
+    })
 }
 
 fn is_stdout(path: &Path) -> bool {
@@ -129,14 +134,9 @@ fn output_format(path: &Path) -> Result<Format, Failure> {
     })
 }
 
-fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     if is_stdout(path) {
-        match io::stdout().lock().write_all(bytes) {
-            // Whoever reads standard output has seen enough.
-            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-            other => other.context("standard output"),
-        }
-    } else {
-        fs::write(path, bytes).with_context(|| path.display().to_string())
+        return print(&String::from_utf8_lossy(bytes));
     }
+    fs::write(path, bytes).with_context(|| path.display().to_string()).map_err(Failure::work)
 }

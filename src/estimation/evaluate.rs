@@ -9,7 +9,7 @@ use super::manoeuvre::{Window, resample};
 use crate::models::monitoring::large_step::{LargeStep, TIME_STEP_MAX_S};
 use crate::models::monitoring::{Model, State};
 use crate::models::parameters::ParameterSet;
-use crate::models::trace::Trace;
+use crate::models::trace::{Channel, Trace};
 use crate::numeric::lane::{Both, Lane, Lanes, Register};
 
 /// The faults that a candidate proposes.
@@ -25,6 +25,8 @@ pub struct Proposal {
 #[derive(Debug)]
 pub struct Evaluator {
     model: LargeStep,
+    /// Where the jack is at the start, m.
+    start_m: f64,
     command_m: Vec<f64>,
     current_steps: Range<usize>,
     pressure_steps: Range<usize>,
@@ -41,6 +43,8 @@ impl Evaluator {
         let steps = |w: &Window| index(w.from_s)..index(w.to_s) + 1;
         Self {
             model: LargeStep::new(&Model::new(&set.shared(), set.monitoring_model()), TIME_STEP_MAX_S),
+            // Without a recorded position the jack is taken to rest where the command starts.
+            start_m: trace.channel(Channel::JackPosition).unwrap_or(trace.position_command_m())[0],
             command_m: resample(trace.time_s(), trace.position_command_m(), TIME_STEP_MAX_S, end_s),
             current_steps: steps(&measured.current_window),
             pressure_steps: steps(&measured.pressure_window),
@@ -57,20 +61,23 @@ impl Evaluator {
 
     /// Runs as many proposals as a lane holds.
     #[inline(always)]
-    fn run<L: Lane>(&self, token: L::Token, kgm: L, fdj_n: L) -> (L, L) {
+    fn run<L: Lane>(&self, token: L::Token, kgm: L, fdj_n: L) -> [L; 4] {
         let candidate = self.model.model().candidate(kgm, fdj_n);
-        let mut state = State::<L>::start(token);
-        let mut sums = (L::splat(token, 0.0), L::splat(token, 0.0));
+        let mut state = State::<L>::start(token, self.start_m);
+        let [mut ramp_a, mut ramp_pa, mut step_a, mut step_pa] = [L::splat(token, 0.0); 4];
         for (step, &command_m) in self.command_m.iter().enumerate() {
             state = self.model.step(&candidate, &state, command_m);
             if self.current_steps.contains(&step) {
-                sums.0 = sums.0 + state.servovalve_current_a;
+                ramp_a = ramp_a + state.servovalve_current_a;
+                ramp_pa = ramp_pa + state.load_pressure_pa;
             }
             if self.pressure_steps.contains(&step) {
-                sums.1 = sums.1 + state.load_pressure_pa;
+                step_a = step_a + state.servovalve_current_a;
+                step_pa = step_pa + state.load_pressure_pa;
             }
         }
-        (sums.0 / self.current_steps.len() as f64, sums.1 / self.pressure_steps.len() as f64)
+        let (ramp, step) = (self.current_steps.len() as f64, self.pressure_steps.len() as f64);
+        [ramp_a / ramp, step_pa / step, ramp_pa / ramp, step_a / step]
     }
 }
 
@@ -114,14 +121,16 @@ type Two<S> = Both<Register<S>, Register<S>>;
 fn run_lanes<L: Lanes>(token: L::Token, evaluator: &Evaluator, proposals: &[Proposal], features: &mut Vec<Features>) {
     let kgm: Vec<f64> = proposals.iter().map(|p| p.kgm).collect();
     let fdj_n: Vec<f64> = proposals.iter().map(|p| p.fdj_n).collect();
-    let (current, pressure) = evaluator.run(token, L::load(token, &kgm), L::load(token, &fdj_n));
-    let (mut currents, mut pressures) = (kgm, fdj_n);
-    current.store(&mut currents);
-    pressure.store(&mut pressures);
-    features.extend(
-        currents
-            .into_iter()
-            .zip(pressures)
-            .map(|(servovalve_current_a, load_pressure_pa)| Features { servovalve_current_a, load_pressure_pa }),
-    );
+    let means = evaluator.run(token, L::load(token, &kgm), L::load(token, &fdj_n));
+    let mut columns = [(); 4].map(|()| vec![0.0; proposals.len()]);
+    for (column, mean) in columns.iter_mut().zip(means) {
+        mean.store(column);
+    }
+    let [ramp_a, step_pa, ramp_pa, step_a] = columns;
+    features.extend((0..proposals.len()).map(|i| Features {
+        servovalve_current_a: ramp_a[i],
+        load_pressure_pa: step_pa[i],
+        ramp_pressure_pa: ramp_pa[i],
+        step_current_a: step_a[i],
+    }));
 }

@@ -2,11 +2,12 @@
 //!
 //! The data's way: the recorded command shows the [`manoeuvre`]s; there the two [`features`] are measured; the
 //! [`search`] proposes faults, which [`evaluate`] runs through the model in lock-step; [`uncertainty`] says how well the
-//! best is known.
+//! best is known; `plausibility` keeps back what should not be believed.
 
 pub mod evaluate;
 pub mod features;
 pub mod manoeuvre;
+mod plausibility;
 pub mod search;
 pub mod uncertainty;
 
@@ -17,20 +18,11 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use utoipa::ToSchema;
 
-use crate::models::monitoring::Bias;
 use crate::models::parameters::ParameterSet;
-use crate::models::trace::{Channel, Trace};
-use crate::numeric::statistics::window;
+use crate::models::trace::Trace;
 use crate::numeric::watch::Watch;
 use evaluate::Evaluator;
-use features::{Features, Measured};
-
-/// A current this close to the motor's limit, as a part of it, is saturated.
-const SATURATED: f64 = 0.999;
-/// The part of the command's motion that a jack must make to count as following it.
-const MOTION_MIN: f64 = 0.5;
-/// The part of a feature that may remain unexplained.
-const MISFIT_MAX: f64 = 0.05;
+use plausibility::{misfits, objections};
 
 /// Whether a trace determined the faults. The features objective determines both or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -167,53 +159,11 @@ pub fn estimate(
             estimate.fdj_n_std = Some(std.fdj_n);
             estimate.verdict = Verdict::Conclusive;
         }
-        None => estimate.reasons.push("the trace does not tell demagnetisation and friction apart".into()),
+        None => estimate
+            .reasons
+            .push("the trace does not tell the faults well enough: a standard deviation is too large".into()),
     }
     Ok(estimate)
-}
-
-/// What speaks against a search before it is made.
-fn objections(trace: &Trace, measured: &Measured, set: &ParameterSet) -> Vec<String> {
-    let mut reasons = Vec::new();
-    let current_max_a = set.shared().torque_motor.current_max_a;
-    if measured.current_peak_a >= SATURATED * current_max_a {
-        reasons.push(format!(
-            "the current is saturated on the ramp: {:.2} mA of {:.2} mA",
-            1e3 * measured.current_peak_a,
-            1e3 * current_max_a
-        ));
-    }
-    if let Some(position_m) = trace.channel(Channel::JackPosition) {
-        let at = window(trace.time_s(), measured.current_window.from_s, measured.current_window.to_s);
-        let moved = |values: &[f64]| (values[at.end - 1] - values[at.start]).abs();
-        let (jack_m, command_m) = (moved(position_m), moved(trace.position_command_m()));
-        if jack_m < MOTION_MIN * command_m {
-            reasons.push(format!(
-                "the jack does not follow the ramp: it moved {:.3} mm while the command moved {:.3} mm",
-                1e3 * jack_m,
-                1e3 * command_m
-            ));
-        }
-    }
-    reasons
-}
-
-/// Why the model at its best does not explain the trace.
-fn misfits(measured: &Features, modelled: &Features, bias: &Bias) -> Vec<String> {
-    let current_a = bias.current_ratio * modelled.servovalve_current_a;
-    let pairs = [
-        (Channel::ServovalveCurrent, measured.servovalve_current_a, current_a),
-        (Channel::LoadPressure, measured.load_pressure_pa, modelled.load_pressure_pa),
-    ];
-    let explained = |found: f64, model: f64| (found - model).abs() <= MISFIT_MAX * found.abs().max(model.abs());
-    pairs
-        .into_iter()
-        .filter(|&(_, found, model)| !explained(found, model))
-        .map(|(channel, found, model)| {
-            let column = channel.column();
-            format!("no faults explain {column}: found {found:.6e}, the model comes no nearer than {model:.6e}")
-        })
-        .collect()
 }
 
 impl Settings {

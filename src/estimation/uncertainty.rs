@@ -13,6 +13,10 @@ use crate::models::monitoring::Bias;
 /// Steps of the central differences: demagnetisation, and friction in N.
 const STEP: Proposal = Proposal { kgm: 2e-3, fdj_n: 5.0 };
 
+/// A fault that is not known to within this is not known: demagnetisation, and friction as a part of itself.
+const KGM_STD_MAX: f64 = 0.1;
+const FDJ_STD_MAX: f64 = 0.25;
+
 /// The standard deviations of demagnetisation and friction (N), or `None` where the features do not tell the two
 /// apart. First order: the covariance of the features through the inverse of their slopes.
 #[must_use]
@@ -45,6 +49,5 @@ pub fn standard_deviations(evaluator: &Evaluator, at: Proposal, measured: &Measu
     let spread = Matrix2::from_diagonal(&Vector2::new(current_a * current_a, pressure_pa * pressure_pa));
     let covariance = inverse * spread * inverse.transpose();
     let found = Proposal { kgm: covariance[(0, 0)].sqrt(), fdj_n: covariance[(1, 1)].sqrt() };
-    // A fault that is not known to within half of its range is not known.
-    (found.kgm < 0.5 && found.fdj_n < 0.5 * (FDJ_MAX_N - FDJ_NOMINAL_N)).then_some(found)
+    (found.kgm < KGM_STD_MAX && found.fdj_n < FDJ_STD_MAX * at.fdj_n).then_some(found)
 }

@@ -24,11 +24,11 @@ pub fn window(time_s: &[f64], from_s: f64, to_s: f64) -> std::ops::Range<usize> 
 }
 
 /// The standard error of the mean of samples that may be correlated with their neighbours, from the spread of the
-/// means of `batches` consecutive parts. `None` when a part would have fewer than two samples.
+/// means of `batches` consecutive parts. `None` when there are fewer samples than parts, or fewer than two parts.
 #[must_use]
 pub fn standard_error(values: &[f64], batches: usize) -> Option<f64> {
     let size = values.len() / batches;
-    if size < 2 || batches < 2 {
+    if size < 1 || batches < 2 {
         return None;
     }
     let means: Vec<f64> =
@@ -36,6 +36,21 @@ pub fn standard_error(values: &[f64], batches: usize) -> Option<f64> {
     let mean = means.iter().sum::<f64>() / batches as f64;
     let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (batches - 1) as f64;
     Some((variance / batches as f64).sqrt())
+}
+
+/// The smallest change between neighbouring samples that is not zero: the quantum of a coarse sensor, next to nothing of a
+/// fine one. Zero when nothing changes.
+#[must_use]
+pub fn resolution(values: &[f64]) -> f64 {
+    let changes = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).filter(|&change| change > 0.0);
+    changes.reduce(f64::min).unwrap_or(0.0)
+}
+
+/// The difference between the greatest and the least value; zero of none.
+#[must_use]
+pub fn range(values: &[f64]) -> f64 {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+    (high - low).max(0.0)
 }
 
 #[cfg(test)]
@@ -59,5 +74,6 @@ mod tests {
         let error = standard_error(&noise, 40).unwrap();
         assert!((error - 0.005).abs() < 0.002, "{error}");
         assert_eq!(standard_error(&noise[..5], 10), None);
+        assert_eq!(standard_error(&[1.0, 3.0], 2), Some(1.0));
     }
 }

@@ -8,7 +8,9 @@ use elevon::models::fault::Faults;
 use elevon::models::parameters::ParameterSet;
 use elevon::models::simulate::{ModelKind, Simulation, simulate};
 use elevon::models::trace::{Channel, Trace};
+use elevon::numeric::rng::Seed;
 use elevon::numeric::watch::{Unwatched, Watch};
+use rand_distr::{Distribution, StandardNormal};
 use rayon::prelude::*;
 
 /// A trace of the reference model at 1 kHz.
@@ -105,23 +107,90 @@ fn recovers_the_same_from_a_later_start_the_other_direction_and_fewer_samples() 
 
 #[test]
 fn a_command_without_the_manoeuvres_is_inconclusive() {
-    let reason = "the command has no manoeuvre that shows";
+    let reason = "the command has no manoeuvre that is known to show the fault";
     for command in ["step:0", "sine:0.05@0.5", "sequence:0.05@0,-0.025@0.5,0.0125@1,-0.05@1.5,0@2", "ramp:0.02"] {
         assert_inconclusive(&estimated(&recorded(command, 0.2, 600.0, 0.0, 1)), reason);
     }
 }
 
+/// A trace whose sensors are wrong in one way, with and without a recorded position.
+fn assert_disbelieved(which: Channel, to: impl Fn(f64) -> f64, with_position: &str, without: &str) {
+    let recorded = altered(&diagnostic(0.35, 900.0), |channel, _, v| if channel == Some(which) { to(v) } else { v });
+    let kept = [Channel::PositionCommand, Channel::ServovalveCurrent, Channel::LoadPressure];
+    let channels = kept.map(|channel| (channel, recorded.channel(channel).unwrap().to_vec()));
+    let bare = Trace::try_new(recorded.time_s().to_vec(), channels.into(), Vec::new()).unwrap();
+    assert_inconclusive(&estimated(&recorded), with_position);
+    assert_inconclusive(&estimated(&bare), without);
+}
+
 #[test]
-fn a_sensor_that_no_fault_explains_is_inconclusive() {
-    let trace = diagnostic(0.2, 600.0);
-    let only = |which: Channel, to: fn(f64) -> f64| {
-        altered(&trace, move |channel, _, value| if channel == Some(which) { to(value) } else { value })
+fn a_sensor_that_is_dead_stuck_clipped_or_wrongly_wired_is_not_believed() {
+    let (current, pressure) = (Channel::ServovalveCurrent, Channel::LoadPressure);
+    let (asked, stuck, fit) = ("command and jack position ask for", "stuck or clipped", "no faults explain");
+    assert_disbelieved(current, |_| 0.0, asked, fit);
+    assert_disbelieved(current, |_| 10e-3, asked, stuck);
+    assert_disbelieved(current, |a| a.clamp(-12e-3, 12e-3), asked, "after the step where");
+    assert_disbelieved(current, |a| -a, asked, fit);
+    assert_disbelieved(pressure, |_| 0.0, fit, fit);
+    assert_disbelieved(pressure, |_| 1e6, stuck, stuck);
+    assert_disbelieved(pressure, |pa| 10.0 * pa, fit, fit);
+    assert_disbelieved(pressure, |pa| -pa, fit, fit);
+}
+
+#[test]
+fn a_biased_current_sensor_is_not_believed_where_the_position_is_known() {
+    let biased = altered(&diagnostic(0.2, 600.0), |channel, _, value| match channel {
+        Some(Channel::ServovalveCurrent) => value + 1e-3,
+        _ => value,
+    });
+    assert_inconclusive(&estimated(&biased), "command and jack position ask for");
+}
+
+#[test]
+fn a_recorded_load_or_another_supply_is_inconclusive() {
+    let with = |channel: Channel, value: f64| {
+        let trace = diagnostic(0.2, 600.0);
+        let mut channels: BTreeMap<Channel, Vec<f64>> =
+            Channel::ALL.into_iter().filter_map(|c| Some((c, trace.channel(c)?.to_vec()))).collect();
+        channels.insert(channel, vec![value; trace.samples()]);
+        estimated(&Trace::try_new(trace.time_s().to_vec(), channels, Vec::new()).unwrap())
     };
-    let no_faults = "no faults explain";
-    assert_inconclusive(&estimated(&only(Channel::ServovalveCurrent, |_| 0.0)), no_faults);
-    assert_inconclusive(&estimated(&only(Channel::ServovalveCurrent, |a| -a)), no_faults);
-    assert_inconclusive(&estimated(&only(Channel::LoadPressure, |_| 0.0)), no_faults);
-    assert_inconclusive(&estimated(&only(Channel::LoadPressure, |pa| 10.0 * pa)), no_faults);
+    assert_inconclusive(&with(Channel::ExternalLoad, 1000.0), "external load of up to 1000 N");
+    assert_inconclusive(&with(Channel::SupplyPressure, 15.6e6), "supply pressure of 15.60 MPa");
+    assert_eq!(with(Channel::ExternalLoad, 0.0).verdict, Verdict::Conclusive);
+    assert_eq!(with(Channel::SupplyPressure, 20.6e6).verdict, Verdict::Conclusive);
+}
+
+#[test]
+fn a_random_walk_of_both_sensors_is_not_believed() {
+    let command_m = diagnostic(0.1, 300.0);
+    let walks = (0..30u64).into_par_iter().filter(|&seed| {
+        let mut rng = Seed(seed).stream("walk", 0);
+        let mut walk = |scale: f64| -> Vec<f64> {
+            let step = |sum: &mut f64, _: usize| {
+                *sum += scale * Distribution::<f64>::sample(&StandardNormal, &mut rng);
+                Some(*sum)
+            };
+            (0..command_m.samples()).scan(0.0, step).collect()
+        };
+        let channels = [
+            (Channel::PositionCommand, command_m.position_command_m().to_vec()),
+            (Channel::ServovalveCurrent, walk(3e-4)),
+            (Channel::LoadPressure, walk(2e4)),
+        ];
+        let trace = Trace::try_new(command_m.time_s().to_vec(), channels.into(), Vec::new()).unwrap();
+        estimated(&trace).verdict == Verdict::Conclusive
+    });
+    assert_eq!(walks.count(), 0);
+}
+
+#[test]
+fn a_trace_that_starts_in_mid_ramp_is_estimated_from_where_the_jack_is() {
+    let trace = diagnostic(0.35, 900.0);
+    let late = |values: &[f64]| values[1000..].to_vec();
+    let channels = Channel::ALL.into_iter().filter_map(|c| Some((c, late(trace.channel(c)?)))).collect();
+    let found = estimated(&Trace::try_new(late(trace.time_s()), channels, Vec::new()).unwrap());
+    assert!((found.kgm.unwrap() - 0.35).abs() < 0.01 && (found.fdj_n.unwrap() / 900.0 - 1.0).abs() < 0.01, "{found:?}");
 }
 
 #[test]

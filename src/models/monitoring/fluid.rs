@@ -144,7 +144,7 @@ mod tests {
 
     fn steady_pa(spool_position_m: f64, flow_m3_per_s: f64) -> f64 {
         let block = Block::new(&ParameterSet::reference().monitoring_model().fluid);
-        let mut s = State::<f64>::start(());
+        let mut s = State::<f64>::start((), 0.0);
         for _ in 0..5_000 {
             s.load_pressure_pa = block.step(&s, spool_position_m, flow_m3_per_s, 1e-4);
         }

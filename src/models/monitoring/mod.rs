@@ -107,9 +107,9 @@ pub struct State<L> {
 }
 
 impl<L: Lane> State<L> {
-    /// Everything at rest at zero.
+    /// Everything at rest at zero, but the jack, which rests at a position, m.
     #[inline(always)]
-    pub fn start(token: L::Token) -> Self {
+    pub fn start(token: L::Token, jack_position_m: f64) -> Self {
         let zero = L::splat(token, 0.0);
         Self {
             servovalve_current_a: zero,
@@ -117,7 +117,7 @@ impl<L: Lane> State<L> {
             flapper_velocity_m_per_s: zero,
             spool_position_m: zero,
             load_pressure_pa: zero,
-            jack_position_m: zero,
+            jack_position_m: L::splat(token, jack_position_m),
             jack_velocity_m_per_s: zero,
         }
     }

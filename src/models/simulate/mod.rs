@@ -20,8 +20,8 @@ use recorder::Recorder;
 
 /// The fastest sampling, Hz.
 pub const SAMPLE_RATE_MAX_HZ: f64 = 1e5;
-/// The most samples that a simulation may make: ten times a 6 s trace at 10 kHz.
-pub const SIMULATED_SAMPLES_MAX: f64 = 600_000.0;
+/// The most samples that a simulation may make: ten minutes at 1 kHz, both ends included.
+pub const SIMULATED_SAMPLES_MAX: f64 = 600_001.0;
 /// Steps between two looks at the watch.
 const STEPS_PER_LOOK: u64 = 20_000;
 
@@ -106,7 +106,7 @@ impl Simulation {
         expect((1.0..=SAMPLE_RATE_MAX_HZ).contains(&rate_hz), "sample_rate_hz", rate_hz, "1 to 100000 Hz");
         let samples = (duration_s * rate_hz).floor() + 1.0;
         let fits = (SAMPLES_MIN as f64..=SIMULATED_SAMPLES_MAX).contains(&samples);
-        expect(fits, "duration_s times sample_rate_hz", samples, "10 to 600000 samples");
+        expect(fits, "duration_s times sample_rate_hz", samples, "10 to 600001 samples");
         errors
     }
 }

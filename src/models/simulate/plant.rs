@@ -68,7 +68,7 @@ impl Plant for MonitoringPlant {
     }
 
     fn start(&self) -> Self::State {
-        monitoring::State::start(())
+        monitoring::State::start((), 0.0)
     }
 
     fn step(&self, state: &Self::State, position_command_m: f64, _interference_a: f64) -> Self::State {
