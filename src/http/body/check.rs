@@ -3,11 +3,11 @@
 use crate::http::error::{ApiError, ApiResult};
 use crate::http::problem::FieldError;
 
-/// The faults found so far.
+/// The errors found so far.
 #[derive(Debug, Default)]
-pub struct Faults(Vec<FieldError>);
+pub struct FieldErrors(Vec<FieldError>);
 
-impl Faults {
+impl FieldErrors {
     /// Notes a fault.
     pub fn add(&mut self, pointer: impl Into<String>, detail: impl Into<String>) {
         self.0.push(FieldError::new(pointer, detail));
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     fn faults(text: &str, lines: bool) -> usize {
-        let mut faults = Faults::default();
+        let mut faults = FieldErrors::default();
         faults.text("/x", text, (1, 5), lines);
         faults.0.len()
     }

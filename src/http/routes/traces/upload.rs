@@ -55,6 +55,7 @@ pub(super) async fn upload_trace(
     let read = move || query.record(actuator.id, format, body.bytes()).map(|trace| (trace, body));
     let (trace, body) = spawn_blocking(read).await.map_err(ApiError::internal)??;
     let spec = JobSpec::Estimation { trace_id: trace.id, settings };
-    let job = app.jobs.upload(trace.clone(), body.into_bytes(), spec).await?;
+    let (bytes, _permit) = body.into_bytes();
+    let job = app.jobs.upload(trace.clone(), bytes, spec).await?;
     Ok(UploadAccepted { trace, job })
 }
