@@ -151,10 +151,7 @@ impl Jobs {
             }
             let job = new_job(&spec);
             if let Err(error) = jobs.records.insert_upload(&trace, &job, jobs.settings.queue_limit).await {
-                // A commit that failed may have happened all the same: only bytes without a record are deleted.
-                if matches!(jobs.records.trace(trace.id).await, Ok(None)) {
-                    jobs.forget(trace.id).await;
-                }
+                jobs.forget_unrecorded(trace.id).await;
                 return Err(error);
             }
             jobs.dispatch.publish(job.id).await;
@@ -219,6 +216,13 @@ impl Jobs {
             if stale.len() < AT_ONCE as usize {
                 return Ok(());
             }
+        }
+    }
+
+    /// Deletes bytes if no record names them: a commit that failed may have happened all the same.
+    async fn forget_unrecorded(&self, trace: Id) {
+        if matches!(self.records.trace(trace).await, Ok(None)) {
+            self.forget(trace).await;
         }
     }
 

@@ -162,7 +162,12 @@ impl Jobs {
             (Ok(true), outcome) => self.finished(job, &outcome).await,
             (Ok(false), Outcome::Simulated { trace, .. }) => self.forget(trace.id).await,
             (Ok(false), _) => {}
-            (Err(error), _) => refused(job.id, &error),
+            (Err(error), outcome) => {
+                refused(job.id, &error);
+                if let Outcome::Simulated { trace, .. } = outcome {
+                    self.forget_unrecorded(trace.id).await;
+                }
+            }
         }
     }
 

@@ -1,6 +1,8 @@
 //! Records in SQLite: one writer, so that no write ever meets another, and several readers beside it.
 
 mod actuators;
+#[cfg(test)]
+mod durability;
 mod fleet;
 mod health;
 mod jobs;
