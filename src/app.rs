@@ -18,7 +18,7 @@ use crate::http::limits::Limits;
 use crate::http::{self, App};
 use crate::jobs::dispatch::InProcess;
 use crate::jobs::{JobSettings, Jobs};
-use crate::store::local::LocalTraces;
+use crate::store::local::{LocalTraces, create_durably};
 use crate::store::sqlite::SqliteRecords;
 use crate::store::{Records, StoreError, Traces};
 use crate::telemetry;
@@ -42,7 +42,7 @@ pub enum AppError {
         address: SocketAddr,
     },
     /// The address cannot be had.
-    #[error("--listen {address}: {source}")]
+    #[error("--listen {address}: cannot be had")]
     Listen {
         /// The address that was asked for.
         address: SocketAddr,
@@ -56,7 +56,7 @@ pub enum AppError {
         data: PathBuf,
     },
     /// The data folder cannot be used.
-    #[error("--data {}: {source}", data.display())]
+    #[error("--data {}: cannot be used", data.display())]
     Data {
         /// The data folder.
         data: PathBuf,
@@ -163,6 +163,7 @@ fn app(config: &Config, records: &SqliteRecords, traces: LocalTraces) -> App {
         attempts_max: config.jobs.attempts_max,
         time_limit: Duration::from_secs_f64(config.jobs.time_limit_s),
         risk_window: config.prognostics.risk_window,
+        ..JobSettings::default()
     };
     let jobs = Jobs::new(Arc::clone(&records), Arc::clone(&traces), Arc::new(InProcess::default()), settings);
     App { records, traces, jobs, limits: Limits::from(&config.http) }
@@ -171,7 +172,7 @@ fn app(config: &Config, records: &SqliteRecords, traces: LocalTraces) -> App {
 /// Creates the data folder where it is missing, and takes it for this process.
 fn lock(data: &Path) -> Result<File, AppError> {
     let wrong = |source| AppError::Data { data: data.to_path_buf(), source };
-    std::fs::create_dir_all(data).map_err(wrong)?;
+    create_durably(data).map_err(wrong)?;
     let file = File::options().create(true).truncate(false).write(true).open(data.join(LOCK_FILE)).map_err(wrong)?;
     match file.try_lock() {
         Ok(()) => Ok(file),

@@ -50,7 +50,7 @@ impl Default for HttpConfig {
             body_limit_bytes: 32 * 1024 * 1024,
             body_time_s: 20.0,
             request_time_s: 30.0,
-            bodies_at_once: 16,
+            bodies_at_once: 4,
         }
     }
 }
@@ -71,7 +71,7 @@ pub struct JobsConfig {
 
 impl Default for JobsConfig {
     fn default() -> Self {
-        Self { workers: 0, queue_limit: 10_000, attempts_max: 3, time_limit_s: 600.0 }
+        Self { workers: 0, queue_limit: 10_000, attempts_max: 3, time_limit_s: 300.0 }
     }
 }
 
@@ -143,7 +143,7 @@ pub enum LogFormat {
 #[derive(Debug, Error)]
 pub enum ConfigError {
     /// The file is not there.
-    #[error("{}: cannot be read: {source}", path.display())]
+    #[error("{}: cannot be read", path.display())]
     File {
         /// The file that `--config` named.
         path: PathBuf,

@@ -30,7 +30,10 @@ pub(super) fn run(args: ServeArgs) -> Result<(), Failure> {
     let config = args.settings()?;
     telemetry::start_log(&config.log).map_err(Failure::usage)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(Failure::work)?;
-    runtime.block_on(serve(&config)).map_err(refused)
+    let served = runtime.block_on(serve(&config)).map_err(refused);
+    // Without waiting for a computation that does not end: its job is queued again at the next start.
+    runtime.shutdown_background();
+    served
 }
 
 /// Why the service did not run, as a failure of the command.

@@ -1,5 +1,6 @@
 //! Everything that a handler can refuse or fail at.
 
+use std::error::Error as _;
 use std::fmt::Display;
 
 use axum::http::header::{HeaderValue, RETRY_AFTER};
@@ -9,6 +10,7 @@ use thiserror::Error;
 
 use super::limits::{ERRORS_MAX, RETRY_AFTER_S};
 use super::problem::{FieldError, Problem};
+use crate::jobs::text::causes;
 use crate::store::StoreError;
 use crate::store::records::JobState;
 
@@ -18,6 +20,12 @@ pub enum ApiError {
     /// Nothing has this path.
     #[error("nothing is at this path")]
     UnknownPath,
+    /// The request is meant for another host than this machine.
+    #[error("Host: found {found:?}, expected localhost or a loopback address")]
+    ForeignHost {
+        /// The host that it names.
+        found: String,
+    },
     /// No record has this id.
     #[error("no {what} has the id {id:?}")]
     NotFound {
@@ -131,6 +139,7 @@ impl ApiError {
     fn kind(&self) -> (StatusCode, &'static str, &'static str) {
         match self {
             Self::UnknownPath => (StatusCode::NOT_FOUND, "unknown-path", "Unknown path"),
+            Self::ForeignHost { .. } => (StatusCode::MISDIRECTED_REQUEST, "foreign-host", "Foreign host"),
             Self::NotFound { .. } => (StatusCode::NOT_FOUND, "not-found", "No such record"),
             Self::Malformed(_) => (StatusCode::BAD_REQUEST, "malformed-request", "Malformed request"),
             Self::EmptyBody { .. } => (StatusCode::BAD_REQUEST, "empty-body", "Empty body"),
@@ -168,9 +177,7 @@ impl ApiError {
 
     /// The chain of causes of a failure of the service itself.
     fn cause(&self) -> Option<String> {
-        let chain = std::iter::successors(std::error::Error::source(self), |cause| cause.source());
-        let causes: Vec<_> = chain.map(ToString::to_string).collect();
-        if causes.is_empty() { None } else { Some(causes.join(": ")) }
+        self.source().map(causes)
     }
 
     /// A header that says more.

@@ -6,6 +6,7 @@
 pub mod body;
 pub mod error;
 pub mod extract;
+pub mod host;
 pub mod limits;
 pub mod observe;
 pub mod openapi;

@@ -14,7 +14,8 @@ use utoipa_axum::router::OpenApiRouter;
 
 use super::error::ApiError;
 use super::limits::Limits;
-use super::{App, observe, openapi, problem, routes};
+use super::{App, host, observe, openapi, problem, routes};
+use crate::jobs::text::panic_message;
 use crate::store::records::Id;
 
 const REQUEST_ID: HeaderName = HeaderName::from_static("x-request-id");
@@ -53,6 +54,7 @@ fn with_middleware(routes: Router, limits: &Limits) -> Router {
     routes
         .layer(TimeoutLayer::with_status_code(StatusCode::GATEWAY_TIMEOUT, limits.request_time))
         .layer(CatchPanicLayer::custom(panicked))
+        .layer(from_fn(host::refuse_foreign))
         .layer(from_fn(problem::write_problems))
         .layer(CompressionLayer::new())
         .layer(from_fn(observe::observe))
@@ -76,8 +78,7 @@ async fn unknown_path() -> ApiError {
 }
 
 fn panicked(panic: Box<dyn std::any::Any + Send>) -> Response {
-    let said = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
-    ApiError::internal(anyhow::anyhow!("a handler panicked: {}", said.unwrap_or("no message"))).into_response()
+    ApiError::internal(anyhow::anyhow!("a handler panicked: {}", panic_message(panic.as_ref()))).into_response()
 }
 
 #[cfg(test)]

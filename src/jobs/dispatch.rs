@@ -19,7 +19,8 @@ pub trait Dispatch: Send + Sync {
     fn close(&self);
 }
 
-/// Dispatch within one process. The store's limit on queued jobs bounds what waits here.
+/// Dispatch within one process. What waits here are ids: those of queued jobs, and those of cancelled ones until a
+/// worker has skipped them.
 #[derive(Debug)]
 pub struct InProcess {
     sender: UnboundedSender<Id>,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::estimation;
-use crate::models::drive::DriveError;
+use crate::models::drive::{Drive, DriveError};
 use crate::models::fault::Faults;
 use crate::models::simulate::{ModelKind, Simulation};
 use crate::store::records::{Id, JobKind};
@@ -35,26 +35,36 @@ impl JobSpec {
     }
 }
 
-/// The recipe of a simulation in plain fields.
+/// A simulation to run with the built-in reference parameters; its result is a trace.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(as = NewSimulation, example = json!({
+    "model": "reference", "command": "diagnostic", "faults": {"kgm": 0.2, "fdj_n": 500.0}, "noise_power": 5e-6,
+    "seed": 7, "duration_s": 1.0, "sample_rate_hz": 10000.0
+}))]
 pub struct SimulationSpec {
     /// The model.
     pub model: ModelKind,
-    /// The command, as the command line has it: `diagnostic`, `step:0.1`, ...
+    /// The command: `diagnostic`, `step:0.1`, `ramp:0.1`, `sine:0.2@5` or `sequence:0.1@0,-0.05@0.5` (level@time); m, m/s,
+    /// Hz, s.
+    #[schema(min_length = 1, max_length = 10000)]
     pub command: String,
-    /// The faults; those not named are healthy.
+    /// The faults; without it, a healthy actuator.
     #[serde(default)]
     pub faults: Faults,
-    /// Power of the white noise on the current, mA² s. Reference model only.
+    /// Power of the white noise on the current, mA² s; 5e-6 in the thesis.
     #[serde(default)]
+    #[schema(minimum = 0, default = 0.0)]
     pub noise_power: f64,
     /// Seed of the noise.
     #[serde(default = "first_seed")]
+    #[schema(default = 1)]
     pub seed: u64,
-    /// Length, s, above 0, at most 600.
+    /// Length, s.
+    #[schema(exclusive_minimum = 0, maximum = 600)]
     pub duration_s: f64,
-    /// Samples per second, Hz, 1 to 100 000.
+    /// Samples per second, Hz.
+    #[schema(minimum = 1, maximum = 100000)]
     pub sample_rate_hz: f64,
 }
 
@@ -68,15 +78,21 @@ impl SimulationSpec {
     /// # Errors
     /// A command that cannot be read.
     pub fn recipe(&self) -> Result<Simulation, DriveError> {
-        Ok(Simulation {
+        self.command.parse().map(|command| self.recipe_with(command))
+    }
+
+    /// The same with a command that was read already.
+    #[must_use]
+    pub fn recipe_with(&self, command: Drive) -> Simulation {
+        Simulation {
             model: self.model,
-            command: self.command.parse()?,
+            command,
             faults: self.faults,
             noise_power_ma2_s: self.noise_power,
             seed: self.seed,
             duration_s: self.duration_s,
             sample_rate_hz: self.sample_rate_hz,
-        })
+        }
     }
 }
 

@@ -6,6 +6,7 @@
 pub mod dispatch;
 pub mod kind;
 pub mod run;
+pub mod text;
 mod watching;
 mod worker;
 
@@ -14,6 +15,8 @@ use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::time::Duration;
 
+use tokio::sync::Mutex;
+use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -22,6 +25,7 @@ use crate::store::{Records, StoreError, Traces};
 use dispatch::Dispatch;
 use kind::JobSpec;
 use run::{Compute, Models, predict};
+use text::causes;
 
 pub use worker::Step;
 
@@ -36,6 +40,8 @@ pub struct JobSettings {
     pub attempts_max: u32,
     /// The longest that an attempt may take.
     pub time_limit: Duration,
+    /// The longest that a stop waits for attempts which were asked to end.
+    pub stop_limit: Duration,
     /// The usage ahead, in the actuator's unit, over which the fleet's risk is counted.
     pub risk_window: f64,
 }
@@ -47,6 +53,7 @@ impl Default for JobSettings {
             queue_limit: 10_000,
             attempts_max: 3,
             time_limit: Duration::from_secs(300),
+            stop_limit: Duration::from_secs(10),
             risk_window: 100.0,
         }
     }
@@ -62,6 +69,8 @@ pub struct Jobs {
     settings: JobSettings,
     stop: CancellationToken,
     tasks: TaskTracker,
+    /// Held by the one who brings the fleet's forecasts up to date.
+    refreshing: Arc<Mutex<()>>,
 }
 
 impl Jobs {
@@ -86,10 +95,10 @@ impl Jobs {
         compute: Arc<dyn Compute>,
     ) -> Self {
         let (stop, tasks) = (CancellationToken::new(), TaskTracker::new());
-        Self { records, traces, dispatch, compute, settings, stop, tasks }
+        Self { records, traces, dispatch, compute, settings, stop, tasks, refreshing: Arc::default() }
     }
 
-    /// Takes up what an earlier process left, and starts the workers.
+    /// Takes up what an earlier process left, starts the workers, and makes stale forecasts again meanwhile.
     ///
     /// # Errors
     /// The store fails.
@@ -101,15 +110,30 @@ impl Jobs {
         for _ in 0..self.settings.workers {
             self.tasks.spawn(self.clone().work());
         }
+        self.tasks.spawn(self.clone().refresh_at_start());
         Ok(())
     }
 
-    /// Ends the workers. What runs is asked to end early and goes back to the queue, its attempt not counted.
+    async fn refresh_at_start(self) {
+        tokio::select! {
+            () = self.stop.cancelled() => {}
+            refreshed = self.refresh_stale() => {
+                if let Err(error) = refreshed {
+                    tracing::warn!(error = causes(&error), "forecasts left to their next reader");
+                }
+            }
+        }
+    }
+
+    /// Ends the workers. What runs is asked to end early and goes back to the queue, its attempt not counted. What has
+    /// not ended after [`JobSettings::stop_limit`] is left: the next start queues it again, its attempt counted.
     pub async fn stop(&self) {
         self.stop.cancel();
         self.dispatch.close();
         self.tasks.close();
-        self.tasks.wait().await;
+        if timeout(self.settings.stop_limit, self.tasks.wait()).await.is_err() {
+            tracing::warn!(tasks = self.tasks.len(), "work that does not end is left; the next start queues it again");
+        }
     }
 
     /// Keeps a trace and queues its estimation. Both are durable when this returns, and neither is there when it
@@ -120,13 +144,14 @@ impl Jobs {
     pub async fn upload(&self, trace: TraceRecord, bytes: Vec<u8>, spec: JobSpec) -> Result<Job, StoreError> {
         let jobs = self.clone();
         self.to_the_end(async move {
-            jobs.traces.put(trace.id, bytes).await?;
+            if let Err(error) = jobs.traces.put(trace.id, bytes).await {
+                // A trace may have its final name already, and only that name may not be durable.
+                jobs.forget(trace.id).await;
+                return Err(error);
+            }
             let job = new_job(&spec);
             if let Err(error) = jobs.records.insert_upload(&trace, &job, jobs.settings.queue_limit).await {
-                // A commit that failed may have happened all the same: only bytes without a record are deleted.
-                if matches!(jobs.records.trace(trace.id).await, Ok(None)) {
-                    jobs.forget(trace.id).await;
-                }
+                jobs.forget_unrecorded(trace.id).await;
                 return Err(error);
             }
             jobs.dispatch.publish(job.id).await;
@@ -174,12 +199,13 @@ impl Jobs {
         predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, self.settings.risk_window).await
     }
 
-    /// Brings every forecast up to date, for a list of the whole fleet.
+    /// Brings every forecast up to date, for a list of the whole fleet. Callers take turns: who waited finds it done.
     ///
     /// # Errors
     /// The store fails.
     pub async fn refresh_stale(&self) -> Result<(), StoreError> {
         const AT_ONCE: u32 = 100;
+        let _turn = self.refreshing.lock().await;
         loop {
             let stale = self.records.stale_forecasts(AT_ONCE).await?;
             for id in &stale {
@@ -193,10 +219,17 @@ impl Jobs {
         }
     }
 
+    /// Deletes bytes if no record names them: a commit that failed may have happened all the same.
+    async fn forget_unrecorded(&self, trace: Id) {
+        if matches!(self.records.trace(trace).await, Ok(None)) {
+            self.forget(trace).await;
+        }
+    }
+
     /// Deletes bytes that no record names.
     async fn forget(&self, trace: Id) {
         if let Err(error) = self.traces.delete(trace).await {
-            tracing::warn!(trace_id = %trace, error = worker::text(&error), "bytes without a record not deleted");
+            tracing::warn!(trace_id = %trace, error = causes(&error), "bytes without a record not deleted");
         }
     }
 

@@ -1,6 +1,5 @@
 //! Workers: each takes the next id, claims its job, computes on a thread of its own, and ends the attempt in the store.
 
-use std::error::Error;
 use std::future::{Future, ready};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,7 +8,8 @@ use tokio::task::spawn_blocking;
 use tokio::time::{self, MissedTickBehavior, interval_at, sleep};
 
 use super::Jobs;
-use super::run::{Finding, Work, conclude, panic_text, prepare};
+use super::run::{Finding, RunError, Work, conclude, panic_text, prepare};
+use super::text::causes;
 use super::watching::Watching;
 use crate::store::StoreError;
 use crate::store::records::{self, Id, Job, JobKind, JobState, Outcome};
@@ -63,23 +63,28 @@ impl Jobs {
     }
 
     async fn run(&self, id: Id) -> Step {
-        let Some(Some(job)) = self.insist(id, || self.records.claim_job(id, records::now())).await else {
+        let claimed = self.insist(id, || self.records.claim_job(id, records::now())).await;
+        let Some(job) = claimed.inspect_err(|error| refused(id, error)).ok().flatten() else {
             return Step::Skipped;
         };
         let started = Instant::now();
-        let found = match prepare(&job, self.records.as_ref(), self.traces.as_ref()).await {
+        let prepared = self.insist(id, || prepare(&job, self.records.as_ref(), self.traces.as_ref())).await;
+        let found = match prepared {
             Ok(work) => self.supervise(&job, work).await,
-            Err(error) => Some(Err(text(&error))),
+            Err(error) => {
+                self.give_up(&job, error).await;
+                None
+            }
         };
         match found {
-            Some(Ok(finding)) => match conclude(finding, self.traces.as_ref()).await {
+            Some(Ok(finding)) => match self.insist(id, || conclude(finding.clone(), self.traces.as_ref())).await {
                 Ok(outcome) => self.finish(&job, outcome).await,
-                Err(error) => self.fail(&job, text(&error)).await,
+                Err(error) => self.give_up(&job, error).await,
             },
             Some(Err(error)) => self.fail(&job, error).await,
             None => {}
         }
-        metrics::histogram!("job_duration_seconds", "kind" => job.kind.name()).record(started.elapsed());
+        metrics::histogram!("elevon_job_duration_seconds", "kind" => job.kind.name()).record(started.elapsed());
         Step::Ran
     }
 
@@ -87,7 +92,7 @@ impl Jobs {
     /// `None` when the attempt's end is in the store already.
     async fn supervise(&self, job: &Job, work: Work) -> Option<Result<Finding, String>> {
         let watching = Arc::new(Watching::default());
-        // Not a thread of the rayon pool: one that waits there for its own batch may take up another whole job first.
+        // A thread for work that blocks, so that those of the runtime go on answering.
         let mut computing = spawn_blocking({
             let (compute, watching) = (self.compute.clone(), watching.clone());
             move || compute.compute(work, watching.as_ref())
@@ -116,7 +121,7 @@ impl Jobs {
                             early = Some(Early::Cancelled);
                             watching.end();
                         }
-                        Err(error) => tracing::warn!(job_id = %job.id, error = text(&error), "progress not written"),
+                        Err(error) => tracing::warn!(job_id = %job.id, error = causes(&error), "progress not written"),
                     }
                 }
             }
@@ -128,7 +133,7 @@ impl Jobs {
                 self.release(job).await;
                 None
             }
-            (Ok(Err(error)), None) => Some(Err(text(&error))),
+            (Ok(Err(error)), None) => Some(Err(causes(&error))),
             (Err(ended), None) => Some(Err(panic_text(ended))),
         }
     }
@@ -136,8 +141,13 @@ impl Jobs {
     async fn release(&self, job: &Job) {
         match self.records.release_job(job.id, job.attempt).await {
             Ok(_) => tracing::info!(job_id = %job.id, attempt = job.attempt, "job put back to the queue"),
-            Err(error) => tracing::warn!(job_id = %job.id, error = text(&error), "job left to the next start"),
+            Err(error) => tracing::warn!(job_id = %job.id, error = causes(&error), "job left to the next start"),
         }
+    }
+
+    /// Fails an attempt, or puts it back when only the service's end kept the store from answering.
+    async fn give_up(&self, job: &Job, error: RunError) {
+        if error.may_pass() { self.release(job).await } else { self.fail(job, causes(&error)).await }
     }
 
     async fn fail(&self, job: &Job, error: String) {
@@ -149,9 +159,15 @@ impl Jobs {
         let now = records::now();
         let finished = self.insist(job.id, || self.records.finish_job(job.id, job.attempt, &outcome, now)).await;
         match (finished, outcome) {
-            (Some(true), outcome) => self.finished(job, &outcome).await,
-            (Some(false), Outcome::Simulated { trace, .. }) => self.forget(trace.id).await,
-            (Some(false) | None, _) => {}
+            (Ok(true), outcome) => self.finished(job, &outcome).await,
+            (Ok(false), Outcome::Simulated { trace, .. }) => self.forget(trace.id).await,
+            (Ok(false), _) => {}
+            (Err(error), outcome) => {
+                refused(job.id, &error);
+                if let Outcome::Simulated { trace, .. } = outcome {
+                    self.forget_unrecorded(trace.id).await;
+                }
+            }
         }
     }
 
@@ -168,7 +184,7 @@ impl Jobs {
         if let Outcome::Estimated { trace_id, .. } = outcome
             && let Err(error) = self.forecast_after(*trace_id).await
         {
-            tracing::warn!(job_id = %id, error = text(&error), "forecast left to its next reader");
+            tracing::warn!(job_id = %id, error = causes(&error), "forecast left to its next reader");
         }
     }
 
@@ -179,47 +195,37 @@ impl Jobs {
         self.forecast(&actuator).await.map(drop)
     }
 
-    /// Asks the store until it answers, for what must not be lost; `None` when the answer would never change, or the
-    /// service stops first.
-    async fn insist<T, F>(&self, job: Id, ask: impl Fn() -> F) -> Option<T>
+    /// Asks until the store answers, for what must not be lost. An error is one that would never pass, or, when the
+    /// service stops first, the last one.
+    async fn insist<T, E, F>(&self, job: Id, ask: impl Fn() -> F) -> Result<T, RunError>
     where
-        F: Future<Output = Result<T, StoreError>>,
+        E: Into<RunError>,
+        F: Future<Output = Result<T, E>>,
     {
         let mut told = false;
         loop {
-            match ask().await {
-                Ok(answer) => return Some(answer),
-                Err(error) => {
-                    let again = error.may_pass();
-                    if !told {
-                        told = true;
-                        tracing::error!(job_id = %job, error = text(&error), again, "the store failed a job");
-                    }
-                    if !again {
-                        return None;
-                    }
-                }
+            let error = match ask().await.map_err(Into::into) {
+                Err(error) if error.may_pass() => error,
+                answer => return answer,
+            };
+            if !told {
+                told = true;
+                tracing::error!(job_id = %job, error = causes(&error), "the store fails a job; it is asked again");
             }
             tokio::select! {
-                () = self.stop.cancelled() => return None,
+                () = self.stop.cancelled() => return Err(error),
                 () = sleep(STORE_PAUSE) => {}
             }
         }
     }
 }
 
-/// Counts a job that ended.
-pub(super) fn count_finished(kind: JobKind, state: JobState) {
-    metrics::counter!("jobs_finished_total", "kind" => kind.name(), "state" => state.name()).increment(1);
+/// Says that the store refused a job's beginning or end, which the next start makes up for.
+fn refused(job: Id, error: &RunError) {
+    tracing::error!(job_id = %job, error = causes(error), "the store failed a job; the next start queues it again");
 }
 
-/// An error with its causes, in one line.
-pub(super) fn text(error: &dyn Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        text = format!("{text}: {error}");
-        cause = error.source();
-    }
-    text
+/// Counts a job that ended.
+pub(super) fn count_finished(kind: JobKind, state: JobState) {
+    metrics::counter!("elevon_jobs_finished_total", "kind" => kind.name(), "state" => state.name()).increment(1);
 }

@@ -49,11 +49,23 @@ impl LocalTraces {
 
 /// Makes every folder that a trace may need, and removes what was half written.
 fn prepare(dir: &Path) -> io::Result<()> {
+    create_durably(dir)?;
     let incoming = dir.join(INCOMING);
     fs::create_dir_all(&incoming)?;
     fs::read_dir(&incoming)?.try_for_each(|entry| fs::remove_file(entry?.path()))?;
     (0..=u8::MAX).try_for_each(|end| fs::create_dir_all(dir.join(format!("{end:02x}"))))?;
     sync_folder(dir)
+}
+
+/// Makes a folder and those above it where they are missing; the names of new ones are durable when this returns.
+///
+/// # Errors
+/// A folder that cannot be created or made durable.
+pub fn create_durably(folder: &Path) -> io::Result<()> {
+    let folder = std::path::absolute(folder)?;
+    let missing: Vec<_> = folder.ancestors().take_while(|folder| !folder.exists()).collect();
+    fs::create_dir_all(&folder)?;
+    missing.iter().filter_map(|folder| folder.parent()).try_for_each(sync_folder)
 }
 
 /// Writes a file so that it is there whole, or not at all, whatever happens meanwhile.
@@ -110,6 +122,18 @@ mod tests {
         let traces = LocalTraces::open(dir.path()).unwrap();
         assert_eq!(traces.get(id).await.unwrap(), None);
         assert!(!leftover.exists());
+    }
+
+    #[test]
+    fn a_folder_is_made_with_those_above_it_and_may_be_there_already() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("a/b/c");
+        for _ in 0..2 {
+            create_durably(&folder).unwrap();
+            assert!(folder.is_dir());
+        }
+        fs::write(dir.path().join("file"), b"").unwrap();
+        create_durably(&dir.path().join("file/a")).unwrap_err();
     }
 
     #[tokio::test]

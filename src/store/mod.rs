@@ -5,6 +5,8 @@ pub mod local;
 pub mod records;
 pub mod sqlite;
 
+use std::io;
+
 use async_trait::async_trait;
 use jiff::Timestamp;
 use thiserror::Error;
@@ -58,21 +60,32 @@ pub enum StoreError {
         /// What was being read or written, relative to the store.
         path: String,
         /// Why it failed.
-        source: std::io::Error,
+        source: io::Error,
     },
 }
 
 impl StoreError {
-    /// Whether the same request may succeed later: the database failed, rather than refused.
+    /// Whether the same request may succeed later, once somebody else has let go or made room.
     #[must_use]
     pub fn may_pass(&self) -> bool {
         match self {
-            Self::Database(error) => {
-                error.as_database_error().is_none_or(|refusal| matches!(refusal.kind(), sqlx::error::ErrorKind::Other))
+            Self::Database(sqlx::Error::PoolTimedOut) => true,
+            Self::Database(sqlx::Error::Io(source)) | Self::File { source, .. } => io_may_pass(source),
+            Self::Database(sqlx::Error::Database(error)) => {
+                let code = error.code().and_then(|code| code.parse::<u32>().ok());
+                code.is_some_and(|code| SQLITE_MAY_PASS.contains(&(code & 0xff)))
             }
             _ => false,
         }
     }
+}
+
+/// SQLite's result codes that may pass: busy, locked, a failure of input or output, full, a file that cannot be opened.
+const SQLITE_MAY_PASS: [u32; 5] = [5, 6, 10, 13, 14];
+
+fn io_may_pass(error: &io::Error) -> bool {
+    use io::ErrorKind::{Interrupted, QuotaExceeded, ResourceBusy, StorageFull, TimedOut, WouldBlock};
+    matches!(error.kind(), Interrupted | QuotaExceeded | ResourceBusy | StorageFull | TimedOut | WouldBlock)
 }
 
 /// One page of a list: at most `limit` records after the one that `after` names.

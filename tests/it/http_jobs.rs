@@ -1,11 +1,15 @@
 //! From an upload or a simulation to its result, over HTTP.
 
+use std::time::{Duration, Instant};
+
 use axum::body::Body;
 use axum::http::header::ACCEPT;
 use axum::http::{Request, StatusCode};
 use serde_json::{Value, json};
 
-use super::http_support::{Answer, RECORDED, Service, still_csv};
+use tokio::time::timeout;
+
+use super::http_support::{Answer, PATIENCE, PAUSE, RECORDED, Service, still_csv};
 
 fn simulation() -> Value {
     json!({"model": "monitoring", "command": "diagnostic", "faults": {"kgm": 0.2, "fdj_n": 600.0},
@@ -145,6 +149,33 @@ async fn a_queued_job_is_cancelled_once_and_does_not_run() {
     service.work().await;
     let job = service.get(queued.header("location")).await.expect(StatusCode::OK);
     assert_eq!((job.text("/state"), job.value("/attempt")), ("cancelled".into(), json!(0)));
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_running_job_shows_its_progress_and_ends_soon_after_it_is_cancelled() {
+    let service = Service::new().await;
+    let long = json!({"model": "reference", "command": "diagnostic", "duration_s": 600.0, "sample_rate_hz": 1.0});
+    let queued = service.post_json("/v1/simulations", &long).await.expect(StatusCode::ACCEPTED);
+    let location = queued.header("location");
+    let watched = async {
+        loop {
+            let job = service.get(location).await.expect(StatusCode::OK);
+            assert!(["queued", "running"].contains(&job.text("/state").as_str()), "{:#}", job.json());
+            let progress = job.value("/progress").as_f64().unwrap();
+            if progress > 0.0 {
+                assert!(progress < 1.0, "{progress}");
+                break;
+            }
+            tokio::time::sleep(PAUSE).await;
+        }
+        let cancelled = service.delete(location).await.expect(StatusCode::OK);
+        assert_eq!(cancelled.text("/state"), "cancelled");
+        Instant::now()
+    };
+    let ((), cancelled_at) = timeout(PATIENCE, async { tokio::join!(service.work(), watched) }).await.unwrap();
+    assert!(cancelled_at.elapsed() < Duration::from_secs(10), "{:?}", cancelled_at.elapsed());
+    let job = service.get(location).await.expect(StatusCode::OK);
+    assert_eq!((job.text("/state"), job.value("/result")), ("cancelled".into(), Value::Null));
 }
 
 #[tokio::test]

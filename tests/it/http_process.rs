@@ -3,14 +3,11 @@
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::http_support::still_csv;
-
-/// The longest wait for what must come, s.
-const PATIENCE: Duration = Duration::from_secs(120);
+use super::http_support::{PATIENCE, PAUSE, still_csv};
 
 fn elevon() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_elevon"));
@@ -58,7 +55,7 @@ impl Process {
         let started = Instant::now();
         while !done(self) {
             assert!(started.elapsed() < PATIENCE, "{what} did not come");
-            std::thread::yield_now();
+            std::thread::sleep(PAUSE);
         }
     }
 }
@@ -73,7 +70,7 @@ impl Drop for Process {
 /// An acknowledged upload is kept, and its job runs to one result, whenever the process is killed: the trace is durable
 /// before its record, the record before the answer, and a result counts only for the attempt that runs.
 #[test]
-fn issue_kill_9_loses_no_acknowledged_upload_and_ends_every_job_exactly_once() {
+fn issue_2_kill_9_loses_no_acknowledged_upload_and_ends_every_job_exactly_once() {
     const UPLOADS: usize = 30;
     let data = tempfile::tempdir().unwrap();
     let mut first = Process::start(data.path());
@@ -130,6 +127,7 @@ fn an_address_in_use_ends_with_one_line_and_status_1() {
     let address = first.base.trim_start_matches("http://");
     let second = elevon().args(["serve", "--listen", address, "--data"]).arg(two.path()).output().unwrap();
     assert_refused(&second, 1, address);
+    assert_said_once(&second, "in use");
 }
 
 #[test]
@@ -143,10 +141,26 @@ fn bad_usage_and_bad_settings_end_with_one_line_and_status_2() {
     assert_refused(&elevon().args(["serve", "--fast"]).output().unwrap(), 2, "--fast");
     assert_refused(&elevon().arg("fly").output().unwrap(), 2, "fly");
     assert_refused(&elevon().args(["serve", "--config", config]).output().unwrap(), 2, "body_limit");
-    assert_refused(&elevon().args(["serve", "--config", "/none.toml"]).output().unwrap(), 2, "/none.toml");
+    let missing = elevon().args(["serve", "--config", "/none.toml"]).output().unwrap();
+    assert_refused(&missing, 2, "/none.toml");
+    assert_said_once(&missing, "No such file");
     let environment = |name: &str, value: &str| elevon().arg("serve").env(name, value).output().unwrap();
     assert_refused(&environment("ELEVON_JOBS_QUEUE_LIMIT", "0"), 2, "jobs.queue_limit");
     assert_refused(&environment("ELEVON_HTTP_SPEED", "9"), 2, "speed");
+}
+
+#[test]
+fn a_data_folder_that_is_a_file_ends_with_one_line_and_status_1() {
+    let data = tempfile::NamedTempFile::new().unwrap();
+    let output = elevon().args(["serve", "--listen", "127.0.0.1:0", "--data"]).arg(data.path()).output().unwrap();
+    assert_refused(&output, 1, "--data");
+    assert_said_once(&output, "os error");
+}
+
+#[track_caller]
+fn assert_said_once(output: &Output, said: &str) {
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(text.matches(said).count(), 1, "{text}");
 }
 
 #[track_caller]

@@ -2,7 +2,7 @@
 
 use axum::body::Body;
 use axum::http::{Method, Request, StatusCode};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::http_support::{Service, request};
 
@@ -39,6 +39,43 @@ async fn the_probes_answer() {
     for path in ["/healthz", "/readyz"] {
         assert_eq!(service.get(path).await.expect(StatusCode::OK).text("/status"), "ok");
     }
+}
+
+#[tokio::test]
+async fn a_service_that_cannot_read_its_records_is_alive_and_not_ready() {
+    let service = Service::new().await;
+    sqlx::query("ALTER TABLE actuators RENAME TO gone").execute(&service.database().await).await.unwrap();
+    let answer = service.get("/readyz").await.expect_problem(503, &[]);
+    assert!(!answer.text("/detail").contains("actuators"), "the cause is logged and not told");
+    service.get("/healthz").await.expect(StatusCode::OK);
+}
+
+#[tokio::test]
+async fn a_request_for_another_host_is_refused_before_it_reads_or_writes_anything() {
+    let service = Service::new().await;
+    let to = |host: &str, path: &str| Request::get(path).header("host", host).body(Body::empty()).unwrap();
+    for path in ["/", "/v1/actuators", "/none"] {
+        let answer = service.send(to("rebound.example:8080", path)).await.expect_problem(421, &[]);
+        assert!(answer.text("/detail").contains("rebound.example:8080"));
+    }
+    for host in ["localhost:8080", "127.0.0.1:8080", "[::1]:8080"] {
+        service.send(to(host, "/v1/actuators")).await.expect(StatusCode::OK);
+    }
+    service.send(to("localhost", "http://rebound.example/v1/actuators")).await.expect_problem(421, &[]);
+}
+
+#[tokio::test]
+async fn metrics_count_and_time_jobs_by_kind_and_end() {
+    let service = Service::new().await;
+    let simulation =
+        json!({"model": "monitoring", "command": "diagnostic", "duration_s": 0.1, "sample_rate_hz": 1000.0});
+    service.post_json("/v1/simulations", &simulation).await.expect(StatusCode::ACCEPTED);
+    service.work().await;
+    let text = String::from_utf8(service.get("/metrics").await.expect(StatusCode::OK).body.to_vec()).unwrap();
+    assert!(text.contains(r#"elevon_jobs_finished_total{kind="simulation",state="succeeded"}"#), "{text}");
+    assert!(text.contains(r#"elevon_job_duration_seconds_bucket{kind="simulation",le="#), "{text}");
+    let own = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty());
+    assert!(own.clone().count() > 0 && own.clone().all(|line| line.starts_with("elevon_")), "{text}");
 }
 
 #[tokio::test]

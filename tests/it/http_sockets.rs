@@ -44,7 +44,7 @@ async fn ask(address: SocketAddr, text: Vec<u8>) -> String {
 
 fn post(length: usize, body: &[u8]) -> Vec<u8> {
     let head = format!(
-        "POST /v1/actuators HTTP/1.1\r\nhost: x\r\ncontent-type: application/json\r\ncontent-length: {length}\r\n\r\n"
+        "POST /v1/actuators HTTP/1.1\r\nhost: localhost\r\ncontent-type: application/json\r\ncontent-length: {length}\r\n\r\n"
     );
     [head.as_bytes(), body].concat()
 }

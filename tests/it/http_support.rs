@@ -1,5 +1,7 @@
 //! A service in a folder of its own, asked without a socket and its jobs run one step at a time.
 
+use std::time::Duration;
+
 use axum::body::{Body, Bytes};
 use axum::http::header::{CONTENT_TYPE, HeaderMap};
 use axum::http::{Method, Request, StatusCode};
@@ -7,15 +9,20 @@ use elevon::app::Application;
 use elevon::config::Config;
 use elevon::jobs::Step;
 use serde_json::{Value, json};
+use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 use tempfile::TempDir;
 use tower::ServiceExt as _;
 
 /// What an upload needs to be told.
 pub const RECORDED: &str = "recorded_at=2026-03-01T12:00:00Z&usage=100.5";
+/// The longest wait for what must come.
+pub const PATIENCE: Duration = Duration::from_secs(120);
+/// Between two looks at a service that works by itself: the one exception to tests that do not wait for time to pass.
+pub const PAUSE: Duration = Duration::from_millis(20);
 
 pub struct Service {
     application: Application,
-    _data: TempDir,
+    data: TempDir,
 }
 
 impl Service {
@@ -30,7 +37,7 @@ impl Service {
         config.http.listen.set_port(0);
         config.store.data = data.path().to_path_buf();
         change(&mut config);
-        Self { application: Application::build(&config).await.unwrap(), _data: data }
+        Self { application: Application::build(&config).await.unwrap(), data }
     }
 
     pub async fn send(&self, request: Request<Body>) -> Answer {
@@ -75,9 +82,18 @@ impl Service {
     /// Asserts that neither trace nor job was kept.
     pub async fn assert_nothing_is_stored(&self) {
         assert_eq!(self.get("/v1/jobs").await.expect(StatusCode::OK).value("/items"), json!([]));
-        let folders = std::fs::read_dir(self._data.path().join("traces")).unwrap().map(|folder| folder.unwrap().path());
+        let folders = std::fs::read_dir(self.data.path().join("traces")).unwrap().map(|folder| folder.unwrap().path());
         let files = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap()).count();
         assert_eq!(files, 0, "a refused trace left bytes behind");
+        let rows: i64 =
+            sqlx::query_scalar("SELECT count(*) FROM traces").fetch_one(&self.database().await).await.unwrap();
+        assert_eq!(rows, 0, "a refused trace left a record behind");
+    }
+
+    /// The database, reached beside the service.
+    pub async fn database(&self) -> SqlitePool {
+        let file = self.data.path().join(elevon::store::sqlite::FILE);
+        SqlitePool::connect_with(SqliteConnectOptions::new().filename(file)).await.unwrap()
     }
 }
 

@@ -101,6 +101,43 @@ async fn json_that_is_broken_or_no_trace_is_told_by_its_pointer() {
     refused(Some("application/json"), body, 422, &["/columns/load_pressure_pa/3"]).await;
 }
 
+/// A trace of 20 samples in JSON with one column changed, as text.
+fn json_with(column: &str, change: impl FnOnce(&mut Vec<Value>)) -> String {
+    let mut columns = json!({"time_s": (0..20).collect::<Vec<_>>(), "position_command_m": vec![0; 20],
+        "load_pressure_pa": vec![0; 20]});
+    change(columns[column].as_array_mut().unwrap());
+    json!({"columns": columns}).to_string()
+}
+
+async fn refused_json(body: String, pointer: &str) -> String {
+    refused(Some("application/json"), body, 422, &[pointer]).await["detail"].as_str().unwrap().to_owned()
+}
+
+#[tokio::test]
+async fn falling_and_repeated_times_in_json_are_told_by_their_pointer() {
+    for time in [1, 5] {
+        refused_json(json_with("time_s", |times| times[6] = json!(time)), "/columns/time_s/6").await;
+    }
+}
+
+#[tokio::test]
+async fn a_gap_in_json_is_told_by_its_pointer() {
+    refused_json(json_with("time_s", |times| times[19] = json!(1000)), "/columns/time_s/19").await;
+}
+
+#[tokio::test]
+async fn a_number_too_large_to_be_finite_is_told_by_its_pointer() {
+    let body = json_with("load_pressure_pa", |values| values[3] = json!("?")).replace("\"?\"", "1e999");
+    refused_json(body, "/columns/load_pressure_pa/3").await;
+}
+
+#[tokio::test]
+async fn json_without_a_needed_column_is_told_which() {
+    let body = json_with("time_s", |_| ()).replace("position_command_m", "something_else");
+    let detail = refused_json(body, "/columns").await;
+    assert!(detail.contains("position_command_m"), "{detail}");
+}
+
 #[tokio::test]
 async fn a_media_type_that_is_absent_or_unknown_names_the_accepted_ones() {
     for media_type in [None, Some("text/plain"), Some("application/x-www-form-urlencoded"), Some("")] {

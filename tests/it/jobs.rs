@@ -5,3 +5,4 @@ mod dispatch;
 mod forecasts;
 mod interrupted;
 mod outcomes;
+mod traces;

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::check::Faults;
+use super::check::FieldErrors;
 use crate::http::error::ApiResult;
 use crate::http::limits::NAME_CHARS_MAX;
 use crate::models::fault::{FDJ_MAX_N, FDJ_NOMINAL_N};
@@ -55,38 +55,38 @@ impl NewActuator {
     /// # Errors
     /// Every field out of its range.
     pub fn check(self, now: Timestamp) -> ApiResult<Actuator> {
-        let mut faults = Faults::default();
+        let mut errors = FieldErrors::default();
         let name = (1, NAME_CHARS_MAX);
         let actuator = Actuator {
             id: Id::now(),
-            serial_number: faults.text("/serial_number", &self.serial_number, name, false),
-            tail_number: faults.text("/tail_number", &self.tail_number, name, false),
-            location: faults.text("/location", &self.location, name, false),
-            parameter_set: parameter_set(self.parameter_set, &mut faults),
-            thresholds: self.thresholds.unwrap_or_default().check(&mut faults),
+            serial_number: errors.text("/serial_number", &self.serial_number, name, false),
+            tail_number: errors.text("/tail_number", &self.tail_number, name, false),
+            location: errors.text("/location", &self.location, name, false),
+            parameter_set: parameter_set(self.parameter_set, &mut errors),
+            thresholds: self.thresholds.unwrap_or_default().check(&mut errors),
             usage_unit: self.usage_unit.unwrap_or(UsageUnit::FlightHours),
             created_at: now,
             revision: 0,
         };
-        faults.pass(actuator)
+        errors.pass(actuator)
     }
 }
 
 impl NewThresholds {
-    fn check(self, faults: &mut Faults) -> Thresholds {
+    fn check(self, errors: &mut FieldErrors) -> Thresholds {
         let default = Thresholds::default();
         let (kgm, fdj_n) = (self.kgm.unwrap_or(default.kgm), self.fdj_n.unwrap_or(default.fdj_n));
-        faults.number("/thresholds/kgm", kgm, "above 0, at most 1", kgm > 0.0 && kgm <= 1.0);
+        errors.number("/thresholds/kgm", kgm, "above 0, at most 1", kgm > 0.0 && kgm <= 1.0);
         let expected = format!("above {FDJ_NOMINAL_N}, at most {FDJ_MAX_N} N");
-        faults.number("/thresholds/fdj_n", fdj_n, &expected, fdj_n > FDJ_NOMINAL_N && fdj_n <= FDJ_MAX_N);
+        errors.number("/thresholds/fdj_n", fdj_n, &expected, fdj_n > FDJ_NOMINAL_N && fdj_n <= FDJ_MAX_N);
         Thresholds { kgm, fdj_n }
     }
 }
 
-fn parameter_set(found: Option<String>, faults: &mut Faults) -> String {
+fn parameter_set(found: Option<String>, errors: &mut FieldErrors) -> String {
     let known = ParameterSet::reference().name().to_owned();
     if let Some(found) = found.filter(|found| *found != known) {
-        faults.add("/parameter_set", format!("found {found:?}, expected {known:?}"));
+        errors.add("/parameter_set", format!("found {found:?}, expected {known:?}"));
     }
     known
 }

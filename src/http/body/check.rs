@@ -1,14 +1,14 @@
-//! Checks of fields that were read; every fault is noted, none ends the checking.
+//! Checks of fields that were read; every error is noted, none ends the checking.
 
 use crate::http::error::{ApiError, ApiResult};
 use crate::http::problem::FieldError;
 
-/// The faults found so far.
+/// The errors found so far.
 #[derive(Debug, Default)]
-pub struct Faults(Vec<FieldError>);
+pub struct FieldErrors(Vec<FieldError>);
 
-impl Faults {
-    /// Notes a fault.
+impl FieldErrors {
+    /// Notes an error.
     pub fn add(&mut self, pointer: impl Into<String>, detail: impl Into<String>) {
         self.0.push(FieldError::new(pointer, detail));
     }
@@ -38,7 +38,7 @@ impl Faults {
     /// The value that was checked.
     ///
     /// # Errors
-    /// [`ApiError::Invalid`] with every fault that was noted.
+    /// [`ApiError::Invalid`] with every one that was noted.
     pub fn pass<T>(self, value: T) -> ApiResult<T> {
         if self.0.is_empty() { Ok(value) } else { Err(ApiError::Invalid(self.0)) }
     }
@@ -48,23 +48,23 @@ impl Faults {
 mod tests {
     use super::*;
 
-    fn faults(text: &str, lines: bool) -> usize {
-        let mut faults = Faults::default();
-        faults.text("/x", text, (1, 5), lines);
-        faults.0.len()
+    fn errors(text: &str, lines: bool) -> usize {
+        let mut errors = FieldErrors::default();
+        errors.text("/x", text, (1, 5), lines);
+        errors.0.len()
     }
 
     #[test]
     fn texts_are_measured_in_characters_without_the_space_around_them() {
-        assert_eq!(faults("  ééééé ", false), 0);
-        assert_eq!(faults("éééééé", false), 1);
-        assert_eq!(faults("   ", false), 1);
+        assert_eq!(errors("  ééééé ", false), 0);
+        assert_eq!(errors("éééééé", false), 1);
+        assert_eq!(errors("   ", false), 1);
     }
 
     #[test]
     fn control_characters_are_refused_and_lines_only_where_they_belong() {
-        assert_eq!(faults("a\u{7}b", true), 1);
-        assert_eq!(faults("a\nb", false), 1);
-        assert_eq!(faults("a\nb", true), 0);
+        assert_eq!(errors("a\u{7}b", true), 1);
+        assert_eq!(errors("a\nb", false), 1);
+        assert_eq!(errors("a\nb", true), 0);
     }
 }

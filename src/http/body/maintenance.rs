@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use serde::Deserialize;
 use utoipa::ToSchema;
 
-use super::check::Faults;
+use super::check::FieldErrors;
 use crate::http::error::ApiResult;
 use crate::http::extract::time;
 use crate::http::limits::NOTE_CHARS_MAX;
@@ -37,11 +37,11 @@ impl NewMaintenance {
     /// # Errors
     /// Every field out of its range.
     pub fn check(self, actuator_id: Id, now: Timestamp) -> ApiResult<Maintenance> {
-        let mut faults = Faults::default();
+        let mut errors = FieldErrors::default();
         let fits = self.usage.is_finite() && self.usage >= 0.0;
-        faults.number("/usage", self.usage, "a finite number, at least 0", fits);
-        let note = faults.text("/note", &self.note, (0, NOTE_CHARS_MAX), true);
+        errors.number("/usage", self.usage, "a finite number, at least 0", fits);
+        let note = errors.text("/note", &self.note, (0, NOTE_CHARS_MAX), true);
         let Self { kind, at, usage, .. } = self;
-        faults.pass(Maintenance { id: Id::now(), actuator_id, kind, at, usage, note, created_at: now })
+        errors.pass(Maintenance { id: Id::now(), actuator_id, kind, at, usage, note, created_at: now })
     }
 }

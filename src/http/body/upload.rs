@@ -1,7 +1,6 @@
 //! Uploading a trace.
 
 use jiff::Timestamp;
-use sha2::{Digest as _, Sha256};
 use utoipa::IntoParams;
 
 use crate::estimation::Settings;
@@ -91,7 +90,7 @@ impl UploadQuery {
             columns: self.columns.clone().unwrap_or_default(),
             sample_rate_hz: self.sample_rate_hz,
             size_bytes: bytes.len() as u64,
-            sha256: Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect(),
+            sha256: records::sha256_hex(bytes),
             samples: trace.samples() as u64,
             duration_s: trace.duration_s(),
             created_at: records::now(),

@@ -21,7 +21,7 @@ pub struct RawBody {
     bytes: Vec<u8>,
     headers: HeaderMap,
     /// Held as long as the bytes are.
-    _permit: OwnedSemaphorePermit,
+    permit: OwnedSemaphorePermit,
 }
 
 impl<S> FromRequest<S> for RawBody
@@ -38,7 +38,7 @@ where
         let bytes = tokio::time::timeout(limits.body_time, read(body, limits.body_bytes))
             .await
             .map_err(|_| ApiError::SlowBody { limit_s: limits.body_time.as_secs_f64() })??;
-        Ok(Self { bytes, headers: parts.headers, _permit: permit })
+        Ok(Self { bytes, headers: parts.headers, permit })
     }
 }
 
@@ -69,10 +69,9 @@ impl RawBody {
         &self.bytes
     }
 
-    /// The bytes, to be kept.
-    #[must_use]
-    pub fn into_bytes(self) -> Vec<u8> {
-        self.bytes
+    /// The bytes, and the permit to hold them: who takes the bytes holds it as long.
+    pub fn into_bytes(self) -> (Vec<u8>, OwnedSemaphorePermit) {
+        (self.bytes, self.permit)
     }
 
     /// A header as text; what is not text is shown with replacement characters.
@@ -112,7 +111,7 @@ mod tests {
         let permit = Arc::new(Semaphore::new(1)).try_acquire_owned().unwrap();
         let mut headers = HeaderMap::from_iter([(CONTENT_TYPE, HeaderValue::from_static("text/csv"))]);
         headers.insert(name, HeaderValue::from_static(value));
-        RawBody { bytes: vec![b'x'], headers, _permit: permit }
+        RawBody { bytes: vec![b'x'], headers, permit }
     }
 
     #[tokio::test]

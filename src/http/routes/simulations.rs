@@ -6,12 +6,12 @@ use utoipa_axum::routes;
 
 use crate::http::App;
 use crate::http::body::accepted::JobAccepted;
-use crate::http::body::simulation::NewSimulation;
+use crate::http::body::simulation::check;
 use crate::http::error::ApiResult;
 use crate::http::extract::json::JsonBody;
 use crate::http::extract::query::{NoQuery, Query};
 use crate::http::openapi::{BodyProblems, QueueProblem};
-use crate::jobs::kind::JobSpec;
+use crate::jobs::kind::{JobSpec, SimulationSpec};
 
 /// The routes about simulations.
 pub fn routes() -> OpenApiRouter<App> {
@@ -23,7 +23,7 @@ pub fn routes() -> OpenApiRouter<App> {
     post,
     path = "/v1/simulations",
     tag = "jobs",
-    request_body = NewSimulation,
+    request_body = SimulationSpec,
     responses(
         (status = 202, description = "The job", body = JobAccepted,
          headers(("location" = String, description = "The job's path"))),
@@ -34,8 +34,8 @@ pub fn routes() -> OpenApiRouter<App> {
 async fn create_simulation(
     State(app): State<App>,
     _: Query<NoQuery>,
-    JsonBody(body): JsonBody<NewSimulation>,
+    JsonBody(body): JsonBody<SimulationSpec>,
 ) -> ApiResult<JobAccepted> {
-    let spec = body.check()?;
+    let spec = check(body)?;
     Ok(JobAccepted { job: app.jobs.enqueue(JobSpec::Simulation(spec)).await? })
 }

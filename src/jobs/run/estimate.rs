@@ -5,9 +5,8 @@ use std::time::Instant;
 use serde::Serialize;
 use utoipa::ToSchema;
 
-use super::RunError;
+use super::{RunError, read_trace};
 use crate::estimation::{self, Estimate, Settings};
-use crate::formats::{self, Format, ReadOptions};
 use crate::models::parameters::ParameterSet;
 use crate::numeric::watch::Watch;
 use crate::store::records::{Id, Outcome, TraceRecord};
@@ -56,14 +55,7 @@ pub(super) async fn prepare(
 
 pub(super) fn compute(input: &Input, watch: &dyn Watch) -> Result<EstimationResult, RunError> {
     let started = Instant::now();
-    let TraceRecord { id, media_type, columns, sample_rate_hz, .. } = &input.trace;
-    let id = *id;
-    let format =
-        Format::from_media_type(media_type).ok_or_else(|| RunError::MediaType { id, found: media_type.clone() })?;
-    let invalid = |errors| RunError::Trace { id, errors };
-    let columns = ReadOptions::parse_columns(columns).map_err(invalid)?;
-    let options = ReadOptions { columns, sample_rate_hz: *sample_rate_hz };
-    let trace = formats::read(format, &input.bytes, &options).map_err(invalid)?;
+    let trace = read_trace(&input.trace, &input.bytes)?;
     let estimate = estimation::estimate(&trace, &ParameterSet::reference(), &input.settings, watch)?;
-    Ok(EstimationResult { trace_id: id, estimate, elapsed_s: started.elapsed().as_secs_f64() })
+    Ok(EstimationResult { trace_id: input.trace.id, estimate, elapsed_s: started.elapsed().as_secs_f64() })
 }

@@ -9,12 +9,14 @@ use thiserror::Error;
 use tokio::task::JoinError;
 
 use super::kind::JobSpec;
+use super::text::panic_message;
 use crate::estimation::EstimationError;
-use crate::formats::FormatError;
+use crate::formats::{self, Format, FormatError, ReadOptions};
 use crate::models::drive::DriveError;
 use crate::models::simulate::SimulationError;
+use crate::models::trace::Trace;
 use crate::numeric::watch::Watch;
-use crate::store::records::{Actuator, Id, Job, Outcome};
+use crate::store::records::{Actuator, Id, Job, Outcome, TraceRecord};
 use crate::store::{LifeHistory, Records, StoreError, Traces};
 use predict::RemainingLife;
 
@@ -58,6 +60,14 @@ pub enum RunError {
     /// The store failed.
     #[error(transparent)]
     Store(#[from] StoreError),
+}
+
+impl RunError {
+    /// Whether another try may succeed; see [`StoreError::may_pass`].
+    #[must_use]
+    pub fn may_pass(&self) -> bool {
+        matches!(self, Self::Store(error) if error.may_pass())
+    }
 }
 
 fn list(errors: &[FormatError]) -> String {
@@ -111,6 +121,20 @@ impl Compute for Models {
     }
 }
 
+/// Reads the kept bytes of a trace, as its record says.
+///
+/// # Errors
+/// A media type that is not read, or bytes that are no valid trace.
+pub fn read_trace(record: &TraceRecord, bytes: &[u8]) -> Result<Trace, RunError> {
+    let TraceRecord { id, media_type, columns, sample_rate_hz, .. } = record;
+    let format = Format::from_media_type(media_type)
+        .ok_or_else(|| RunError::MediaType { id: *id, found: media_type.clone() })?;
+    let invalid = |errors| RunError::Trace { id: *id, errors };
+    let columns = ReadOptions::parse_columns(columns).map_err(invalid)?;
+    let options = ReadOptions { columns, sample_rate_hz: *sample_rate_hz };
+    formats::read(format, bytes, &options).map_err(invalid)
+}
+
 /// Reads what a job needs.
 pub(super) async fn prepare(job: &Job, records: &dyn Records, traces: &dyn Traces) -> Result<Work, RunError> {
     match JobSpec::deserialize(&job.spec)? {
@@ -131,10 +155,8 @@ pub(super) async fn conclude(finding: Finding, traces: &dyn Traces) -> Result<Ou
 
 /// Why a computation panicked.
 pub(super) fn panic_text(ended: JoinError) -> String {
-    let Ok(payload) = ended.try_into_panic() else {
-        return "the service ended first".into();
-    };
-    let owned = payload.downcast_ref::<String>().map(String::as_str);
-    let message = owned.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message");
-    format!("panicked: {message}")
+    match ended.try_into_panic() {
+        Ok(payload) => format!("panicked: {}", panic_message(payload.as_ref())),
+        Err(_) => "the service ended first".into(),
+    }
 }

@@ -1,11 +1,11 @@
 //! Simulation jobs: from a recipe to a kept trace.
 
 use serde::Serialize;
-use sha2::{Digest as _, Sha256};
 use utoipa::ToSchema;
 
 use super::RunError;
 use crate::formats::{self, Format};
+use crate::jobs::text::causes;
 use crate::models::parameters::ParameterSet;
 use crate::models::simulate::{Simulation, simulate};
 use crate::numeric::watch::Watch;
@@ -31,7 +31,7 @@ pub struct SimulationResult {
 pub(super) fn compute(recipe: &Simulation, watch: &dyn Watch) -> Result<Written, RunError> {
     let trace = simulate(recipe, &ParameterSet::reference(), watch)?;
     let bytes = formats::write(Format::Csv, &trace);
-    let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    let sha256 = records::sha256_hex(&bytes);
     Ok(Written { bytes, sha256, samples: trace.samples() as u64, duration_s: trace.duration_s() })
 }
 
@@ -52,7 +52,12 @@ pub(super) async fn keep(written: Written, traces: &dyn Traces) -> Result<Outcom
         duration_s: written.duration_s,
         created_at: records::now(),
     };
-    traces.put(trace_id, written.bytes).await?;
+    if let Err(error) = traces.put(trace_id, written.bytes).await {
+        if let Err(error) = traces.delete(trace_id).await {
+            tracing::warn!(%trace_id, error = causes(&error), "bytes without a record not deleted");
+        }
+        return Err(error);
+    }
     let result = serde_json::to_value(SimulationResult { trace_id }).expect("an id is a string");
     Ok(Outcome::Simulated { trace: Box::new(trace), result })
 }

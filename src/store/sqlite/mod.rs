@@ -1,6 +1,8 @@
 //! Records in SQLite: one writer, so that no write ever meets another, and several readers beside it.
 
 mod actuators;
+#[cfg(test)]
+mod durability;
 mod fleet;
 mod health;
 mod jobs;
@@ -19,6 +21,7 @@ use sqlx::migrate::Migrator;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{Sqlite, Transaction};
 
+use super::local::create_durably;
 use super::records::{
     Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, TraceRecord,
 };
@@ -46,7 +49,7 @@ impl SqliteRecords {
     /// # Errors
     /// A folder or file that cannot be created or is no database; a schema newer than this program.
     pub async fn open(dir: &Path) -> Result<Self, StoreError> {
-        std::fs::create_dir_all(dir).map_err(|source| StoreError::File { path: dir.display().to_string(), source })?;
+        create_durably(dir).map_err(|source| StoreError::File { path: dir.display().to_string(), source })?;
         let options = SqliteConnectOptions::new()
             .filename(dir.join(FILE))
             .create_if_missing(true)

@@ -38,8 +38,18 @@ pub fn driven() -> JobSettings {
 impl Bench {
     /// Opens a store, as a process does that starts.
     pub async fn open(dir: &Path, settings: JobSettings, compute: impl Compute + 'static) -> Self {
+        Self::open_with(dir, settings, compute, |traces, _| Arc::new(traces)).await
+    }
+
+    /// The same with other traces, made of the real ones and of the records.
+    pub async fn open_with(
+        dir: &Path,
+        settings: JobSettings,
+        compute: impl Compute + 'static,
+        traces: impl FnOnce(LocalTraces, Arc<dyn Records>) -> Arc<dyn Traces>,
+    ) -> Self {
         let records: Arc<dyn Records> = Arc::new(SqliteRecords::open(dir).await.unwrap());
-        let traces: Arc<dyn Traces> = Arc::new(LocalTraces::open(&dir.join("traces")).unwrap());
+        let traces = traces(LocalTraces::open(&dir.join("traces")).unwrap(), records.clone());
         let dispatch: Arc<dyn Dispatch> = Arc::new(InProcess::default());
         let jobs = Jobs::with_compute(records.clone(), traces.clone(), dispatch, settings, Arc::new(compute));
         Self { jobs, records, traces }

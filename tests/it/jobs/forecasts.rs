@@ -1,5 +1,7 @@
 //! Forecasts that follow their history, whatever was missed.
 
+use std::sync::mpsc::{Sender, channel};
+
 use elevon::jobs::run::predict::RemainingLife;
 use elevon::jobs::run::{Compute, Finding, Models, RunError, Work};
 use elevon::numeric::watch::Watch;
@@ -54,6 +56,47 @@ async fn what_a_dead_process_left_stale_is_made_up_for_before_the_fleet_is_liste
     for id in ids {
         assert!(bench.records.forecast(id).await.unwrap().unwrap().risk.is_some());
     }
+}
+
+/// The models, noting whose forecast they make.
+struct Noted(Sender<Id>);
+
+impl Compute for Noted {
+    fn compute(&self, work: Work, watch: &dyn Watch) -> Result<Finding, RunError> {
+        Models.compute(work, watch)
+    }
+
+    fn predict(&self, actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> RemainingLife {
+        self.0.send(actuator.id).unwrap();
+        Models.predict(actuator, history, risk_window)
+    }
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn readers_at_the_same_time_make_each_stale_forecast_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let (made, noted) = channel();
+    let bench = Bench::open(dir.path(), driven(), Noted(made)).await;
+    let mut ids: Vec<Id> = Vec::new();
+    for i in 0..3 {
+        ids.push(registered(&*bench.records, &format!("SN-{i}")).await.id);
+    }
+    let refresh = || bench.jobs.refresh_stale();
+    let (one, two, three) = tokio::join!(refresh(), refresh(), refresh());
+    one.and(two).and(three).unwrap();
+    assert_eq!(noted.try_iter().collect::<Vec<_>>(), ids);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_start_makes_stale_forecasts_without_being_asked() {
+    let dir = tempfile::tempdir().unwrap();
+    let (made, noted) = channel();
+    let bench = Bench::open(dir.path(), driven(), Noted(made)).await;
+    let id = registered(&*bench.records, "A").await.id;
+    bench.jobs.start().await.unwrap();
+    let first = tokio::task::spawn_blocking(move || noted.recv().unwrap()).await.unwrap();
+    assert_eq!(first, id);
+    bench.jobs.stop().await;
 }
 
 /// Cannot forecast.

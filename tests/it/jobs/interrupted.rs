@@ -1,6 +1,7 @@
 //! Jobs that are cancelled, and jobs whose process ends.
 
 use std::fs;
+use std::time::Duration;
 
 use elevon::jobs::run::Models;
 use elevon::jobs::{JobSettings, Step};
@@ -110,4 +111,23 @@ async fn a_stop_puts_the_running_job_back_without_counting_its_attempt() {
     let next = Bench::open(dir.path(), driven(), Models).await;
     next.jobs.start().await.unwrap();
     assert_eq!(next.run_all().await, 2);
+}
+
+#[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+async fn a_stop_does_not_wait_for_a_computation_that_does_not_end_and_the_next_start_runs_it_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let (held, began, let_go) = Held::new();
+    let settings = JobSettings { workers: 1, stop_limit: Duration::ZERO, ..driven() };
+    let bench = Bench::open(dir.path(), settings, held).await;
+    bench.jobs.start().await.unwrap();
+    let job = bench.jobs.enqueue(simulation()).await.unwrap();
+    seen(began).await;
+    bench.jobs.stop().await;
+    assert_eq!(bench.job(job.id).await.state, JobState::Running);
+    let next = Bench::open(dir.path(), driven(), Models).await;
+    next.jobs.start().await.unwrap();
+    assert_eq!(next.run_all().await, 1);
+    let done = next.job(job.id).await;
+    assert_eq!((done.state, done.attempt), (JobState::Succeeded, 2));
+    let_go.send(()).unwrap();
 }

@@ -8,13 +8,14 @@ use tokio::task::spawn_blocking;
 
 use super::FORMATS;
 use super::get::find;
-use crate::formats::{self, Format, ReadOptions};
+use crate::formats::{self, Format};
 use crate::http::App;
 use crate::http::error::{ApiError, ApiResult};
 use crate::http::extract::accept::negotiate;
 use crate::http::extract::id::PathId;
 use crate::http::extract::query::{NoQuery, Query};
 use crate::http::openapi::{NotAcceptableProblem, RecordProblems};
+use crate::jobs::run::{RunError, read_trace};
 use crate::store::records::TraceRecord;
 
 /// The samples of a trace, in SI units under their own names, as CSV or JSON as `Accept` prefers.
@@ -44,23 +45,16 @@ pub(super) async fn trace_data(
 ) -> ApiResult<Response> {
     let record = find(&app, &id).await?;
     let format = negotiate(&headers, &FORMATS)?;
-    let bytes = app.traces.get(record.id).await?.ok_or_else(|| unreadable(&record, "its bytes are gone"))?;
+    let bytes = app.traces.get(record.id).await?.ok_or_else(|| {
+        let id = record.id;
+        ApiError::internal(RunError::TraceMissing { id })
+    })?;
     let written = spawn_blocking(move || rewrite(&record, &bytes, format)).await.map_err(ApiError::internal)??;
     Ok(([(CONTENT_TYPE, format.media_type()), (VARY, "accept")], written).into_response())
 }
 
 /// Reads the kept bytes and writes them in another format; both take long for a long trace.
 fn rewrite(record: &TraceRecord, bytes: &[u8], to: Format) -> ApiResult<Vec<u8>> {
-    let wrong = |errors: Vec<formats::FormatError>| {
-        unreadable(record, &errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))
-    };
-    let from = Format::from_media_type(&record.media_type).ok_or_else(|| unreadable(record, "its media type"))?;
-    let columns = ReadOptions::parse_columns(&record.columns).map_err(wrong)?;
-    let options = ReadOptions { columns, sample_rate_hz: record.sample_rate_hz };
-    let trace = formats::read(from, bytes, &options).map_err(wrong)?;
+    let trace = read_trace(record, bytes).map_err(ApiError::internal)?;
     Ok(formats::write(to, &trace))
-}
-
-fn unreadable(record: &TraceRecord, why: &str) -> ApiError {
-    ApiError::internal(anyhow::anyhow!("trace {} cannot be read back: {why}", record.id))
 }

@@ -55,6 +55,14 @@ pub(super) async fn upload_trace(
     let read = move || query.record(actuator.id, format, body.bytes()).map(|trace| (trace, body));
     let (trace, body) = spawn_blocking(read).await.map_err(ApiError::internal)??;
     let spec = JobSpec::Estimation { trace_id: trace.id, settings };
-    let job = app.jobs.upload(trace.clone(), body.into_bytes(), spec).await?;
+    let (bytes, permit) = body.into_bytes();
+    let kept = trace.clone();
+    // A task of its own holds the permit as long as the bytes, even when the client goes away.
+    let uploading = tokio::spawn(async move {
+        let uploaded = app.jobs.upload(kept, bytes, spec).await;
+        drop(permit);
+        uploaded
+    });
+    let job = uploading.await.map_err(ApiError::internal)??;
     Ok(UploadAccepted { trace, job })
 }
