@@ -1,7 +1,7 @@
 -- Times are microseconds since 1970-01-01 UTC; ids are UUIDs of version 7 as text, so that they sort by creation.
 
--- The order columns are what the fleet's list is sorted by: risk falling, then median remaining life rising, unknown
--- last. A forecast of an older revision than the actuator's is stale; -1 is none at all.
+-- The order columns are what the fleet's list is sorted by: risk falling in whole percents (it is not known better), then
+-- median remaining life rising, unknown last. A forecast of an older revision than the actuator's is stale; -1 is none at all.
 CREATE TABLE actuators (
     id TEXT PRIMARY KEY NOT NULL,
     serial_number TEXT NOT NULL UNIQUE,
@@ -16,7 +16,7 @@ CREATE TABLE actuators (
     forecast_revision INTEGER NOT NULL DEFAULT -1,
     risk REAL,
     median_remaining REAL,
-    risk_order REAL NOT NULL GENERATED ALWAYS AS (coalesce(-risk, 1.0)) STORED,
+    risk_order REAL NOT NULL GENERATED ALWAYS AS (coalesce(-round(risk, 2), 1.0)) STORED,
     median_order REAL NOT NULL GENERATED ALWAYS AS (coalesce(median_remaining, 1e308)) STORED
 ) STRICT;
 CREATE INDEX actuators_by_risk ON actuators (risk_order, median_order, id);

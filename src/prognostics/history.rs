@@ -5,6 +5,9 @@ use utoipa::ToSchema;
 
 /// Horizon of a forecast in ages, where the question names none.
 const HORIZON_AGES: f64 = 20.0;
+/// The least age that the priors take a part for, in risk windows: a part is expected to outlast the time that its users
+/// plan for.
+const AGE_MIN_WINDOWS: f64 = 10.0;
 /// More observations than this are averaged in groups of neighbours.
 const POINTS_MAX: usize = 1000;
 /// A standard deviation beyond this many threshold distances says nothing more: it is taken as this one.
@@ -120,7 +123,7 @@ impl History {
         let first = observations.first().map_or(question.at, |o| o.usage);
         let start = question.life_start.unwrap_or(first.min(question.at));
         let age = question.at - start;
-        let scale = match age.max(question.risk_window) {
+        let scale = match age.max(AGE_MIN_WINDOWS * question.risk_window) {
             0.0 => 1.0,
             scale => scale,
         };
@@ -132,7 +135,7 @@ impl History {
             horizon / scale <= HORIZON_MAX,
             || "horizon".to_owned(),
             horizon,
-            "at most a million times the age (or the risk window, if that is longer)",
+            "at most a million times the age (or ten risk windows, if that is longer)",
         );
         check.finish()?;
         let distance = question.threshold - question.healthy;

@@ -6,8 +6,9 @@
 use super::history::Point;
 use super::normal::{deviate, spread};
 
-/// Bounds of the present slope, threshold distances per age: even in logarithm about one life per age (chosen).
-const SLOPE: (f64, f64) = (1e-2, 1e2);
+/// Bounds of the present slope, threshold distances per age, even in logarithm (chosen: lives of up to a hundred ages; and
+/// no new part that is through in less than a twentieth of its age).
+const SLOPE: (f64, f64) = (1e-2, 2e1);
 /// Bounds of the noise's standard deviation, threshold distances (chosen: from as good as none to the whole way).
 const NOISE: (f64, f64) = (1e-3, 1.0);
 /// Bounds of the wander's standard deviation over one age, threshold distances (chosen: at most as if ten independent

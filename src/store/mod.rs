@@ -199,7 +199,8 @@ pub trait Records: Send + Sync {
     async fn expire_forecasts(&self, basis: &str) -> Result<(), StoreError>;
     /// Actuators whose forecast is missing or of an older revision, at most `limit`.
     async fn stale_forecasts(&self, limit: u32) -> Result<Vec<Id>, StoreError>;
-    /// The fleet, riskiest first (risk falling, then median remaining life rising, those without a forecast last).
+    /// The fleet, riskiest first: risk falling in whole percents, then median remaining life rising, those without a
+    /// forecast last.
     async fn fleet(&self, tail_number: Option<&str>, page: &Page) -> Result<Paged<FleetRow>, StoreError>;
 }
 

@@ -43,7 +43,10 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     config.log.filter = "warn".into();
     telemetry::start_log(&config.log).map_err(Failure::usage)?;
     let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build().map_err(Failure::work)?;
-    runtime.block_on(demo(&config, args.exit))
+    let ended = runtime.block_on(demo(&config, args.exit));
+    // Dropping the runtime would wait for whatever still computes.
+    runtime.shutdown_background();
+    ended
 }
 
 async fn demo(config: &Config, exit: bool) -> Result<(), Failure> {
