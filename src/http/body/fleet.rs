@@ -16,8 +16,8 @@ use crate::store::{FleetRow, Page, Paged};
 #[derive(Debug, IntoParams)]
 #[into_params(parameter_in = Query)]
 pub struct FleetQuery {
-    /// The order: `risk`, the probability of passing a threshold within the service's risk window, falling, in whole percents; then the median
-    /// remaining life, rising.
+    /// The order: `risk`, the probability of passing a threshold within the service's risk window, falling, in whole
+    /// percents; then the median remaining life, rising.
     #[param(default = "risk", pattern = "^risk$")]
     pub sort: Option<String>,
     /// Only the actuators of this aircraft.
