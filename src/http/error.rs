@@ -108,8 +108,8 @@ pub enum ApiError {
         /// The most that may.
         limit: u64,
     },
-    /// The records cannot be read just now.
-    #[error("the records cannot be read")]
+    /// The records cannot be read or written just now.
+    #[error("the records cannot be read or written")]
     NotReady(#[source] StoreError),
     /// Something that should work did not. The causes are logged, and not told.
     #[error("the service failed; its log says why under this request id")]

@@ -134,7 +134,7 @@ pub struct FleetRow {
 /// stored forecast can be told from a stale one.
 #[async_trait]
 pub trait Records: Send + Sync {
-    /// Answers when the records can be read; for the readiness probe.
+    /// Answers when the records can be read and a transaction that writes can begin; for the readiness probe.
     async fn ping(&self) -> Result<(), StoreError>;
 
     /// Keeps a new actuator. A serial number that is taken is a [`StoreError::Conflict`].
