@@ -108,6 +108,9 @@ pub enum ApiError {
         /// The most that may.
         limit: u64,
     },
+    /// The store cannot do this just now: its disk is full, or another process holds its lock.
+    #[error("the store cannot do this just now; try again in {RETRY_AFTER_S} s")]
+    StoreBusy(#[source] StoreError),
     /// The records cannot be read or written just now.
     #[error("the records cannot be read or written")]
     NotReady(#[source] StoreError),
@@ -158,6 +161,7 @@ impl ApiError {
             Self::Taken { .. } => (StatusCode::CONFLICT, "taken", "Value taken"),
             Self::JobOver { .. } => (StatusCode::CONFLICT, "job-over", "Job over"),
             Self::QueueFull { .. } => (StatusCode::SERVICE_UNAVAILABLE, "queue-full", "Queue full"),
+            Self::StoreBusy(_) => (StatusCode::SERVICE_UNAVAILABLE, "store-busy", "Store busy or full"),
             Self::NotReady(_) => (StatusCode::SERVICE_UNAVAILABLE, "not-ready", "Not ready"),
             Self::Internal(_) => (StatusCode::INTERNAL_SERVER_ERROR, "internal", "Internal error"),
         }
@@ -183,7 +187,7 @@ impl ApiError {
     /// A header that says more.
     fn header(&self) -> Option<(HeaderName, HeaderValue)> {
         match self {
-            Self::QueueFull { .. } => Some((RETRY_AFTER, HeaderValue::from(RETRY_AFTER_S))),
+            Self::QueueFull { .. } | Self::StoreBusy(_) | Self::NotReady(_) => Some((RETRY_AFTER, HeaderValue::from(RETRY_AFTER_S))),
             _ => None,
         }
     }
@@ -209,6 +213,7 @@ impl From<StoreError> for ApiError {
             StoreError::Conflict { field, value } => Self::Taken { field, value },
             StoreError::QueueFull { queued, limit } => Self::QueueFull { queued, limit },
             StoreError::Cursor { .. } => Self::malformed("?cursor", error.to_string()),
+            passing if passing.may_pass() => Self::StoreBusy(passing),
             other => Self::internal(other),
         }
     }

@@ -19,7 +19,7 @@ pub const NOTE_CHARS_MAX: usize = 2000;
 pub const COMMAND_CHARS_MAX: usize = 10_000;
 /// The most errors that one problem document lists.
 pub const ERRORS_MAX: usize = 100;
-/// When to try again after the queue was full, s (chosen: an estimation takes about a second).
+/// When to try again after the queue was full or the store busy, s (chosen: an estimation takes about a second).
 pub const RETRY_AFTER_S: u32 = 5;
 
 /// The limits of one application; see [`HttpConfig`] for their ranges.
