@@ -187,7 +187,9 @@ impl ApiError {
     /// A header that says more.
     fn header(&self) -> Option<(HeaderName, HeaderValue)> {
         match self {
-            Self::QueueFull { .. } | Self::StoreBusy(_) | Self::NotReady(_) => Some((RETRY_AFTER, HeaderValue::from(RETRY_AFTER_S))),
+            Self::QueueFull { .. } | Self::StoreBusy(_) | Self::NotReady(_) => {
+                Some((RETRY_AFTER, HeaderValue::from(RETRY_AFTER_S)))
+            }
             _ => None,
         }
     }
@@ -225,5 +227,24 @@ fn summary(errors: &[FieldError]) -> String {
         [] => String::new(),
         [only] => only.to_string(),
         [first, rest @ ..] => format!("{first} (and {} more)", rest.len()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind};
+
+    use super::*;
+
+    #[test]
+    fn a_store_that_may_work_again_asks_to_try_again_and_another_failure_does_not() {
+        for (kind, status, retry) in [
+            (ErrorKind::StorageFull, StatusCode::SERVICE_UNAVAILABLE, true),
+            (ErrorKind::PermissionDenied, StatusCode::INTERNAL_SERVER_ERROR, false),
+        ] {
+            let error = StoreError::File { path: "00".into(), source: Error::from(kind) };
+            let response = ApiError::from(error).into_response();
+            assert_eq!((response.status(), response.headers().contains_key(RETRY_AFTER)), (status, retry), "{kind}");
+        }
     }
 }
