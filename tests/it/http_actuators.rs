@@ -58,6 +58,15 @@ async fn a_wrong_type_is_refused_by_its_pointer() {
 }
 
 #[tokio::test]
+async fn an_array_is_no_record() {
+    let service = Service::new().await;
+    let record = json!(["EHA-1", "I-ELVN", "left aileron", null, null, null]);
+    let answer = service.post_json("/v1/actuators", &record).await.expect_problem(400, &[""]);
+    assert!(answer.text("/detail").contains("found an array"));
+    registered_with("thresholds", json!([0.3, 500])).await.expect_problem(400, &["/thresholds"]);
+}
+
+#[tokio::test]
 async fn a_missing_field_is_named() {
     let body = json!({"serial_number": "EHA-1", "tail_number": "I-ELVN"});
     let answer = Service::new().await.post_json("/v1/actuators", &body).await.expect_problem(400, &[""]);
