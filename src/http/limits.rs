@@ -15,6 +15,8 @@ pub const PAGE_LIMIT_DEFAULT: u32 = 50;
 pub const NAME_CHARS_MAX: usize = 200;
 /// The most characters of a note.
 pub const NOTE_CHARS_MAX: usize = 2000;
+/// The most usage, in any unit.
+pub const USAGE_MAX: f64 = 1e7;
 /// The most characters of a simulation's command.
 pub const COMMAND_CHARS_MAX: usize = 10_000;
 /// The most errors that one problem document lists.
