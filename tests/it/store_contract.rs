@@ -69,7 +69,13 @@ macro_rules! records_engine {
 /// Every contract of the traces, on one engine.
 macro_rules! traces_engine {
     ($engine:ident, $open:path) => {
-        engine!($engine, $open, [traces::{contract_bytes_come_back_as_they_were_put, contract_deleted_bytes_are_gone}]);
+        engine!($engine, $open, [
+            traces::{
+                contract_bytes_come_back_as_they_were_put,
+                contract_deleted_bytes_are_gone,
+                contract_ids_are_listed_by_their_end,
+            },
+        ]);
     };
 }
 

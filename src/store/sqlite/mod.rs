@@ -110,6 +110,10 @@ impl Records for SqliteRecords {
         uploads::insert(&self.writer, trace, job, queue_limit).await
     }
 
+    async fn unrecorded_traces(&self, ids: &[Id]) -> Result<Vec<Id>, StoreError> {
+        traces::unrecorded(&self.readers, ids).await
+    }
+
     async fn trace(&self, id: Id) -> Result<Option<TraceRecord>, StoreError> {
         traces::one(&self.readers, id).await
     }
