@@ -174,7 +174,9 @@ impl ApiError {
                 errors.truncate(ERRORS_MAX);
                 errors
             }
-            Self::Taken { field, .. } => vec![FieldError::new(format!("/{field}"), self.to_string())],
+            Self::Taken { field, value } => {
+                vec![FieldError::new(format!("/{field}"), format!("found {value:?}, which is taken already"))]
+            }
             _ => Vec::new(),
         }
     }
@@ -214,7 +216,10 @@ impl From<StoreError> for ApiError {
         match error {
             StoreError::Conflict { field, value } => Self::Taken { field, value },
             StoreError::QueueFull { queued, limit } => Self::QueueFull { queued, limit },
-            StoreError::Cursor { .. } => Self::malformed("?cursor", error.to_string()),
+            StoreError::Cursor { found } => {
+                let detail = format!("found {found:?}, expected the next_cursor of a page of this list");
+                Self::malformed("?cursor", detail)
+            }
             passing if passing.may_pass() => Self::StoreBusy(passing),
             other => Self::internal(other),
         }

@@ -21,7 +21,7 @@ use super::router;
             What can be read and is out of its range is 422, every field at once. Whatever is wrong inside an uploaded \
             trace is 422, its syntax included. A request to a known path with another method is 405, with `Allow`; one \
             that is not answered in time is 504. One whose `Host` is not a loopback name is 421. A client may give its \
-            own `x-request-id`; without one the service makes it."
+            own `x-request-id`, 1 to 128 visible ASCII characters; without one the service makes it."
     ),
     components(schemas(ProblemDocument, FieldError)),
     tags(
