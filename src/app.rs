@@ -168,7 +168,6 @@ fn app(config: &Config, records: &SqliteRecords, traces: LocalTraces) -> App {
         time_limit: Duration::from_secs_f64(config.jobs.time_limit_s),
         stop_limit: JOBS_STOP,
         risk_window: config.prognostics.risk_window,
-        ..JobSettings::default()
     };
     let jobs = Jobs::new(Arc::clone(&records), Arc::clone(&traces), Arc::new(InProcess::default()), settings);
     App { records, traces, jobs, limits: Limits::from(&config.http) }
