@@ -29,8 +29,11 @@ const LOCK_FILE: &str = "lock";
 const TRACES_DIR: &str = "traces";
 /// How often the metrics' samples are folded into their buckets.
 const UPKEEP_EVERY: Duration = Duration::from_secs(5);
-/// How much longer than a request may take a stopping service waits for its connections.
-const STOP_GRACE: Duration = Duration::from_secs(1);
+/// The longest that a stopping service waits for its connections, then for its jobs, then for its store: together less
+/// than the 10 s after which whoever stopped it may kill it.
+const CONNECTIONS_STOP: Duration = Duration::from_secs(4);
+const JOBS_STOP: Duration = Duration::from_secs(4);
+const STORE_STOP: Duration = Duration::from_secs(1);
 
 /// Why the service could not start or go on.
 #[derive(Debug, Error)]
@@ -78,7 +81,6 @@ pub struct Application {
     router: Router,
     jobs: Jobs,
     records: SqliteRecords,
-    stop_time: Duration,
     /// Unlocked by the kernel when the process ends, however it ends.
     _lock: File,
 }
@@ -101,8 +103,8 @@ impl Application {
         let address = listener.local_addr().map_err(in_use)?;
         let records = SqliteRecords::open(data).await?;
         let app = app(config, &records, LocalTraces::open(&data.join(TRACES_DIR))?);
-        let (jobs, stop_time) = (app.jobs.clone(), app.limits.request_time + STOP_GRACE);
-        Ok(Self { listener, address, router: http::router::router(app), jobs, records, stop_time, _lock: lock })
+        let jobs = app.jobs.clone();
+        Ok(Self { listener, address, router: http::router::router(app), jobs, records, _lock: lock })
     }
 
     /// The address that the service listens on, its port never 0.
@@ -144,11 +146,13 @@ impl Application {
         let served = axum::serve(listener, self.router).with_graceful_shutdown(stopping.clone().cancelled_owned());
         let ended = tokio::select! {
             ended = served.into_future() => ended,
-            () = overdue(stopping, self.stop_time) => Ok(()),
+            () = overdue(stopping) => Ok(()),
         };
         upkeep.abort();
         self.jobs.stop().await;
-        self.records.close().await;
+        if tokio::time::timeout(STORE_STOP, self.records.close()).await.is_err() {
+            tracing::warn!("the database is still in use; the service stops all the same");
+        }
         ended.map_err(AppError::Serve)
     }
 }
@@ -162,8 +166,8 @@ fn app(config: &Config, records: &SqliteRecords, traces: LocalTraces) -> App {
         queue_limit: config.jobs.queue_limit,
         attempts_max: config.jobs.attempts_max,
         time_limit: Duration::from_secs_f64(config.jobs.time_limit_s),
+        stop_limit: JOBS_STOP,
         risk_window: config.prognostics.risk_window,
-        ..JobSettings::default()
     };
     let jobs = Jobs::new(Arc::clone(&records), Arc::clone(&traces), Arc::new(InProcess::default()), settings);
     App { records, traces, jobs, limits: Limits::from(&config.http) }
@@ -190,8 +194,8 @@ async fn keep_up_metrics() {
 }
 
 /// Ends when connections had their time to end after the service began to stop.
-async fn overdue(stopping: CancellationToken, stop_time: Duration) {
+async fn overdue(stopping: CancellationToken) {
     stopping.cancelled().await;
-    tokio::time::sleep(stop_time).await;
+    tokio::time::sleep(CONNECTIONS_STOP).await;
     tracing::warn!("connections are still open; the service stops all the same");
 }

@@ -108,8 +108,11 @@ pub enum ApiError {
         /// The most that may.
         limit: u64,
     },
-    /// The records cannot be read just now.
-    #[error("the records cannot be read")]
+    /// The store cannot do this just now: its disk is full, or another process holds its lock.
+    #[error("the store cannot do this just now; try again in {RETRY_AFTER_S} s")]
+    StoreBusy(#[source] StoreError),
+    /// The records cannot be read or written just now.
+    #[error("the records cannot be read or written")]
     NotReady(#[source] StoreError),
     /// Something that should work did not. The causes are logged, and not told.
     #[error("the service failed; its log says why under this request id")]
@@ -158,6 +161,7 @@ impl ApiError {
             Self::Taken { .. } => (StatusCode::CONFLICT, "taken", "Value taken"),
             Self::JobOver { .. } => (StatusCode::CONFLICT, "job-over", "Job over"),
             Self::QueueFull { .. } => (StatusCode::SERVICE_UNAVAILABLE, "queue-full", "Queue full"),
+            Self::StoreBusy(_) => (StatusCode::SERVICE_UNAVAILABLE, "store-busy", "Store busy or full"),
             Self::NotReady(_) => (StatusCode::SERVICE_UNAVAILABLE, "not-ready", "Not ready"),
             Self::Internal(_) => (StatusCode::INTERNAL_SERVER_ERROR, "internal", "Internal error"),
         }
@@ -170,7 +174,9 @@ impl ApiError {
                 errors.truncate(ERRORS_MAX);
                 errors
             }
-            Self::Taken { field, .. } => vec![FieldError::new(format!("/{field}"), self.to_string())],
+            Self::Taken { field, value } => {
+                vec![FieldError::new(format!("/{field}"), format!("found {value:?}, which is taken already"))]
+            }
             _ => Vec::new(),
         }
     }
@@ -183,7 +189,9 @@ impl ApiError {
     /// A header that says more.
     fn header(&self) -> Option<(HeaderName, HeaderValue)> {
         match self {
-            Self::QueueFull { .. } => Some((RETRY_AFTER, HeaderValue::from(RETRY_AFTER_S))),
+            Self::QueueFull { .. } | Self::StoreBusy(_) | Self::NotReady(_) => {
+                Some((RETRY_AFTER, HeaderValue::from(RETRY_AFTER_S)))
+            }
             _ => None,
         }
     }
@@ -208,7 +216,11 @@ impl From<StoreError> for ApiError {
         match error {
             StoreError::Conflict { field, value } => Self::Taken { field, value },
             StoreError::QueueFull { queued, limit } => Self::QueueFull { queued, limit },
-            StoreError::Cursor { .. } => Self::malformed("?cursor", error.to_string()),
+            StoreError::Cursor { found } => {
+                let detail = format!("found {found:?}, expected the next_cursor of a page of this list");
+                Self::malformed("?cursor", detail)
+            }
+            passing if passing.may_pass() => Self::StoreBusy(passing),
             other => Self::internal(other),
         }
     }
@@ -220,5 +232,24 @@ fn summary(errors: &[FieldError]) -> String {
         [] => String::new(),
         [only] => only.to_string(),
         [first, rest @ ..] => format!("{first} (and {} more)", rest.len()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Error, ErrorKind};
+
+    use super::*;
+
+    #[test]
+    fn a_store_that_may_work_again_asks_to_try_again_and_another_failure_does_not() {
+        for (kind, status, retry) in [
+            (ErrorKind::StorageFull, StatusCode::SERVICE_UNAVAILABLE, true),
+            (ErrorKind::PermissionDenied, StatusCode::INTERNAL_SERVER_ERROR, false),
+        ] {
+            let error = StoreError::File { path: "00".into(), source: Error::from(kind) };
+            let response = ApiError::from(error).into_response();
+            assert_eq!((response.status(), response.headers().contains_key(RETRY_AFTER)), (status, retry), "{kind}");
+        }
     }
 }

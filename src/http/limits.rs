@@ -15,11 +15,13 @@ pub const PAGE_LIMIT_DEFAULT: u32 = 50;
 pub const NAME_CHARS_MAX: usize = 200;
 /// The most characters of a note.
 pub const NOTE_CHARS_MAX: usize = 2000;
+/// The most usage, in any unit.
+pub const USAGE_MAX: f64 = 1e7;
 /// The most characters of a simulation's command.
 pub const COMMAND_CHARS_MAX: usize = 10_000;
 /// The most errors that one problem document lists.
 pub const ERRORS_MAX: usize = 100;
-/// When to try again after the queue was full, s (chosen: an estimation takes about a second).
+/// When to try again after the queue was full or the store busy, s (chosen: an estimation takes about a second).
 pub const RETRY_AFTER_S: u32 = 5;
 
 /// The limits of one application; see [`HttpConfig`] for their ranges.

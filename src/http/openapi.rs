@@ -21,7 +21,7 @@ use super::router;
             What can be read and is out of its range is 422, every field at once. Whatever is wrong inside an uploaded \
             trace is 422, its syntax included. A request to a known path with another method is 405, with `Allow`; one \
             that is not answered in time is 504. One whose `Host` is not a loopback name is 421. A client may give its \
-            own `x-request-id`; without one the service makes it."
+            own `x-request-id`, 1 to 128 visible ASCII characters; without one the service makes it."
     ),
     components(schemas(ProblemDocument, FieldError)),
     tags(
@@ -85,21 +85,19 @@ problems! {
     /// Of an operation without query and body.
     PlainProblems: 500 504;
     /// Of an operation on one record.
-    RecordProblems: 400 404 500 504;
+    RecordProblems: 400 404 500 503 504;
     /// Of a list.
-    ListProblems: 400 422 500 504;
+    ListProblems: 400 422 500 503 504;
     /// Of a list that belongs to a record.
-    RecordListProblems: 400 404 422 500 504;
+    RecordListProblems: 400 404 422 500 503 504;
     /// Of an operation with a body.
-    BodyProblems: 400 408 413 415 422 500 504;
+    BodyProblems: 400 408 413 415 422 500 503 504;
     /// Of an operation with a body that belongs to a record.
-    RecordBodyProblems: 400 404 408 413 415 422 500 504;
+    RecordBodyProblems: 400 404 408 413 415 422 500 503 504;
     /// Beside others: a value that is taken, or a state that forbids it.
     ConflictProblem: 409;
     /// Beside others: no form of the answer is acceptable.
     NotAcceptableProblem: 406;
-    /// Beside others: the queue is full.
-    QueueProblem: 503;
 }
 
 /// One problem response, by its status.
@@ -113,7 +111,7 @@ fn problem(status: u16) -> (String, RefOr<Response>) {
         413 => "The body is longer than the limit, which `detail` tells",
         415 => "The media type is absent or not one of the accepted, or the body is encoded",
         422 => "Values are out of their range, or the file is no usable trace",
-        503 => "As many jobs wait as may wait: try again after the time in `Retry-After`",
+        503 => "As many jobs wait as may wait, or the store is full or busy: try again after the time in `Retry-After`",
         504 => "The request was not answered in time",
         _ => "The service failed",
     };

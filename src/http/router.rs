@@ -1,9 +1,10 @@
 //! The routes and what every request passes through.
 
 use axum::Router;
+use axum::body::Body;
 use axum::http::header::X_CONTENT_TYPE_OPTIONS;
 use axum::http::{HeaderName, HeaderValue, Request, StatusCode};
-use axum::middleware::from_fn;
+use axum::middleware::{from_fn, map_request};
 use axum::response::{IntoResponse, Response};
 use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
@@ -61,6 +62,17 @@ fn with_middleware(routes: Router, limits: &Limits) -> Router {
         .layer(SetResponseHeaderLayer::overriding(X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff")))
         .layer(PropagateRequestIdLayer::new(REQUEST_ID))
         .layer(SetRequestIdLayer::new(REQUEST_ID, TimedIds))
+        .layer(map_request(drop_unusable_id))
+}
+
+/// Takes a client's own id away unless it is one, of 1 to 128 visible ASCII characters: it goes into the log and back.
+async fn drop_unusable_id(mut request: Request<Body>) -> Request<Body> {
+    let usable = |id: &HeaderValue| (1..=128).contains(&id.len()) && id.as_bytes().iter().all(u8::is_ascii_graphic);
+    let mut ids = request.headers().get_all(REQUEST_ID).iter();
+    if !ids.next().is_some_and(usable) || ids.next().is_some() {
+        request.headers_mut().remove(REQUEST_ID);
+    }
+    request
 }
 
 /// Request ids that sort by time, as every id does.

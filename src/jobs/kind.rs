@@ -54,11 +54,11 @@ pub struct SimulationSpec {
     pub faults: Faults,
     /// Power of the white noise on the current, mA² s; 5e-6 in the thesis.
     #[serde(default)]
-    #[schema(minimum = 0, default = 0.0)]
+    #[schema(minimum = 0, maximum = 1, default = 0.0)]
     pub noise_power: f64,
     /// Seed of the noise.
     #[serde(default = "first_seed")]
-    #[schema(default = 1)]
+    #[schema(maximum = 18446744073709551615_u64, default = 1)]
     pub seed: u64,
     /// Length, s.
     #[schema(exclusive_minimum = 0, maximum = 600)]

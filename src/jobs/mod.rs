@@ -98,7 +98,8 @@ impl Jobs {
         Self { records, traces, dispatch, compute, settings, stop, tasks, refreshing: Arc::default() }
     }
 
-    /// Takes up what an earlier process left, starts the workers, and makes stale forecasts again meanwhile.
+    /// Takes up what an earlier process left, deletes what it kept of traces without a record, starts the workers, and
+    /// makes stale forecasts again meanwhile.
     ///
     /// # Errors
     /// The store fails.
@@ -107,6 +108,7 @@ impl Jobs {
         for id in self.records.recover_jobs(self.settings.attempts_max, records::now()).await? {
             self.dispatch.publish(id).await;
         }
+        self.sweep().await?;
         for _ in 0..self.settings.workers {
             self.tasks.spawn(self.clone().work());
         }
@@ -217,6 +219,18 @@ impl Jobs {
                 return Ok(());
             }
         }
+    }
+
+    /// Deletes the bytes of every trace without a record, while nothing else keeps any.
+    async fn sweep(&self) -> Result<(), StoreError> {
+        for end in 0..=u8::MAX {
+            let ids = self.traces.ids_ending_in(end).await?;
+            for id in self.records.unrecorded_traces(&ids).await? {
+                tracing::info!(trace_id = %id, "bytes without a record deleted");
+                self.forget(id).await;
+            }
+        }
+        Ok(())
     }
 
     /// Deletes bytes if no record names them: a commit that failed may have happened all the same.

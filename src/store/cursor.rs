@@ -1,6 +1,10 @@
 //! Cursors: the place in a list where the next page starts, as an opaque word that is safe in a URL.
 
+use super::records::sha256_hex;
 use super::{Page, Paged, StoreError};
+
+/// Characters of a list's tag.
+const TAG_CHARS: usize = 8;
 
 /// Part of a list's sort key, as text of a cursor and back.
 pub(super) trait Key: Sized {
@@ -36,7 +40,7 @@ impl Key for f64 {
     }
 
     fn read(text: &str) -> Option<Self> {
-        u64::from_str_radix(text, 16).ok().map(Self::from_bits)
+        u64::from_str_radix(text, 16).ok().map(Self::from_bits).filter(|value| value.is_finite())
     }
 }
 
@@ -52,9 +56,12 @@ impl<A: Key, B: Key> Key for (A, B) {
 }
 
 impl Page {
-    /// The sort key of the last record already seen, or `None` on the first page.
-    pub(super) fn start<K: Key>(&self) -> Result<Option<K>, StoreError> {
-        let read = |text: &String| K::read(text).ok_or_else(|| StoreError::Cursor { found: text.clone() });
+    /// The sort key of the last record already seen, or `None` on the first page. `list` names the list and whatever
+    /// chooses its records: a cursor of another list is refused.
+    pub(super) fn start<K: Key>(&self, list: &[&str]) -> Result<Option<K>, StoreError> {
+        let tag = tag(list);
+        let key = |text: &String| text.strip_prefix(&tag)?.strip_prefix('.').and_then(K::read);
+        let read = |text| key(text).ok_or_else(|| StoreError::Cursor { found: text.clone() });
         self.after.as_ref().map(read).transpose()
     }
 
@@ -63,14 +70,21 @@ impl Page {
         i64::from(self.limit) + 1
     }
 
-    /// The page made of the rows that were found, `key` giving the sort key of one.
-    pub(super) fn cut<T, K: Key>(&self, mut items: Vec<T>, key: impl Fn(&T) -> K) -> Paged<T> {
+    /// The page made of the rows that were found in `list`, `key` giving the sort key of one.
+    pub(super) fn cut<T, K: Key>(&self, list: &[&str], mut items: Vec<T>, key: impl Fn(&T) -> K) -> Paged<T> {
         let limit = self.limit as usize;
         let more = items.len() > limit;
         items.truncate(limit);
-        let next_cursor = items.last().filter(|_| more).map(|last| key(last).write());
+        let next_cursor = items.last().filter(|_| more).map(|last| format!("{}.{}", tag(list), key(last).write()));
         Paged { items, next_cursor }
     }
+}
+
+/// What tells the cursors of one list from those of another.
+fn tag(list: &[&str]) -> String {
+    let mut tag = sha256_hex(list.join("\0").as_bytes());
+    tag.truncate(TAG_CHARS);
+    tag
 }
 
 #[cfg(test)]
@@ -80,17 +94,37 @@ mod tests {
 
     #[test]
     fn a_key_survives_its_cursor_bit_for_bit() {
-        let key = (-0.1f64, (f64::NEG_INFINITY, Id::now()));
+        let key = (-0.1f64, (1e308, Id::now()));
         assert_eq!(Key::read(&key.write()), Some(key));
         assert_eq!(Key::read(&(i64::MIN, Id::now()).write()).map(|k: (i64, Id)| k.0), Some(i64::MIN));
     }
 
     #[test]
+    fn a_number_that_is_not_finite_is_no_key() {
+        for number in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(f64::read(&number.write()), None);
+        }
+    }
+
+    #[test]
     fn a_malformed_cursor_is_named() {
-        for found in ["", "x", "12", "12.", ".", "12.34", "é.é"] {
-            let page = Page { after: Some(found.into()), limit: 1 };
-            let error = page.start::<(i64, Id)>().unwrap_err();
-            assert!(matches!(&error, StoreError::Cursor { found: f } if f == found), "{error}");
+        let tag = tag(&["list"]);
+        let keys = ["", "x", "12", "12.", ".", "12.34", "é.é"].map(|key| format!("{tag}.{key}"));
+        for found in keys.into_iter().chain([String::new(), tag.clone(), format!("{tag}12.{}", Id::now())]) {
+            let page = Page { after: Some(found.clone()), limit: 1 };
+            let error = page.start::<(i64, Id)>(&["list"]).unwrap_err();
+            assert!(matches!(&error, StoreError::Cursor { found: f } if *f == found), "{error}");
+        }
+    }
+
+    #[test]
+    fn a_cursor_belongs_to_its_list() {
+        let page = Page { after: None, limit: 1 };
+        let after = page.cut(&["jobs", "queued"], vec![7_i64, 8], |item| *item).next_cursor;
+        let next = Page { after, limit: 1 };
+        assert_eq!(next.start::<i64>(&["jobs", "queued"]).unwrap(), Some(7));
+        for other in [&["jobs", "failed"][..], &["jobs"], &["traces", "queued"], &["jobsqueued"]] {
+            next.start::<i64>(other).unwrap_err();
         }
     }
 }

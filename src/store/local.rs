@@ -80,6 +80,12 @@ fn write_durably(incoming: &Path, target: &Path, bytes: &[u8]) -> io::Result<()>
     sync_folder(target.parent().expect("a trace's file is in a folder"))
 }
 
+/// The ids that files in a folder are named by.
+fn ids_in(folder: &Path) -> io::Result<Vec<Id>> {
+    let names = fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name().to_str().and_then(|name| name.parse().ok())));
+    names.filter_map(Result::transpose).collect()
+}
+
 /// Makes the names in a folder durable.
 fn sync_folder(folder: &Path) -> io::Result<()> {
     File::open(folder)?.sync_all()
@@ -101,6 +107,14 @@ impl Traces for LocalTraces {
 
     async fn get(&self, id: Id) -> Result<Option<Vec<u8>>, StoreError> {
         self.run(id, |_, target| if_found(fs::read(target))).await
+    }
+
+    async fn ids_ending_in(&self, end: u8) -> Result<Vec<Id>, StoreError> {
+        let folder = self.dir.join(format!("{end:02x}"));
+        let path = folder.display().to_string();
+        let listed = spawn_blocking(move || ids_in(&folder)).await;
+        let listed = listed.unwrap_or_else(|ended| Err(io::Error::other(ended)));
+        listed.map_err(|source| StoreError::File { path, source })
     }
 
     async fn delete(&self, id: Id) -> Result<(), StoreError> {

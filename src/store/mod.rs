@@ -134,7 +134,7 @@ pub struct FleetRow {
 /// stored forecast can be told from a stale one.
 #[async_trait]
 pub trait Records: Send + Sync {
-    /// Answers when the records can be read; for the readiness probe.
+    /// Answers when the records can be read and a transaction that writes can begin; for the readiness probe.
     async fn ping(&self) -> Result<(), StoreError>;
 
     /// Keeps a new actuator. A serial number that is taken is a [`StoreError::Conflict`].
@@ -146,6 +146,8 @@ pub trait Records: Send + Sync {
 
     /// Keeps a trace and the job that will estimate from it, both or neither.
     async fn insert_upload(&self, trace: &TraceRecord, job: &NewJob, queue_limit: u64) -> Result<(), StoreError>;
+    /// Those of these ids under which no trace is recorded.
+    async fn unrecorded_traces(&self, ids: &[Id]) -> Result<Vec<Id>, StoreError>;
     /// One trace's record (its bytes are in the [`Traces`]).
     async fn trace(&self, id: Id) -> Result<Option<TraceRecord>, StoreError>;
 
@@ -211,6 +213,8 @@ pub trait Traces: Send + Sync {
     async fn put(&self, id: Id, bytes: Vec<u8>) -> Result<(), StoreError>;
     /// The bytes under an id, or `None`.
     async fn get(&self, id: Id) -> Result<Option<Vec<u8>>, StoreError>;
+    /// The ids that end in a byte and have bytes: for all of them, part by part.
+    async fn ids_ending_in(&self, end: u8) -> Result<Vec<Id>, StoreError>;
     /// Forgets the bytes under an id, if any: for a trace whose record could not be kept.
     async fn delete(&self, id: Id) -> Result<(), StoreError>;
 }

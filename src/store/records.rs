@@ -1,6 +1,7 @@
 //! The records: what is known of actuators, traces, jobs and health, as plain values.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use jiff::Timestamp;
@@ -82,10 +83,17 @@ impl UsageUnit {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Thresholds {
-    /// Torque-motor demagnetisation KGM, above 0, at most 1.
+    /// Torque-motor demagnetisation KGM, 0.01 to 1.
     pub kgm: f64,
-    /// Dynamic jack friction FDJ, N, above 200, at most 2000.
+    /// Dynamic jack friction FDJ, N, 210 to 2000.
     pub fdj_n: f64,
+}
+
+impl Thresholds {
+    /// The range of [`Thresholds::kgm`]; nearer to a healthy actuator's 0, no forecast is possible.
+    pub const KGM: RangeInclusive<f64> = 0.01..=1.0;
+    /// The range of [`Thresholds::fdj_n`], N; nearer to a healthy actuator's 200 N, no forecast is possible.
+    pub const FDJ_N: RangeInclusive<f64> = 210.0..=2000.0;
 }
 
 impl Default for Thresholds {

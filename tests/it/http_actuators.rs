@@ -58,6 +58,15 @@ async fn a_wrong_type_is_refused_by_its_pointer() {
 }
 
 #[tokio::test]
+async fn an_array_is_no_record() {
+    let service = Service::new().await;
+    let record = json!(["EHA-1", "I-ELVN", "left aileron", null, null, null]);
+    let answer = service.post_json("/v1/actuators", &record).await.expect_problem(400, &[""]);
+    assert!(answer.text("/detail").contains("found an array"));
+    registered_with("thresholds", json!([0.3, 500])).await.expect_problem(400, &["/thresholds"]);
+}
+
+#[tokio::test]
 async fn a_missing_field_is_named() {
     let body = json!({"serial_number": "EHA-1", "tail_number": "I-ELVN"});
     let answer = Service::new().await.post_json("/v1/actuators", &body).await.expect_problem(400, &[""]);
@@ -71,6 +80,17 @@ async fn every_value_out_of_range_is_told_at_once() {
     let pointers =
         ["/serial_number", "/tail_number", "/location", "/parameter_set", "/thresholds/kgm", "/thresholds/fdj_n"];
     Service::new().await.post_json("/v1/actuators", &body).await.expect_problem(422, &pointers);
+}
+
+#[tokio::test]
+async fn a_threshold_that_leaves_a_healthy_actuator_no_room_is_refused() {
+    for (name, value) in [("kgm", 1e-320), ("kgm", 0.009), ("kgm", 1.1), ("fdj_n", 200.0000001), ("fdj_n", 2000.1)] {
+        let refused = registered_with("thresholds", json!({name: value})).await;
+        refused.expect_problem(422, &[&format!("/thresholds/{name}")]);
+    }
+    for thresholds in [json!({"kgm": 0.01, "fdj_n": 210.0}), json!({"kgm": 1.0, "fdj_n": 2000.0})] {
+        registered_with("thresholds", thresholds).await.expect(StatusCode::CREATED);
+    }
 }
 
 #[tokio::test]
@@ -137,6 +157,8 @@ async fn maintenance_that_cannot_be_read_is_malformed_and_out_of_range_is_invali
     service.post_json(&path, &malformed).await.expect_problem(400, &["/at"]);
     let unknown = event("painted", "2026-03-01T12:00:00Z", 1.0);
     service.post_json(&path, &unknown).await.expect_problem(400, &["/kind"]);
+    let endless = event("replaced", "2026-03-01T12:00:00Z", 1.1e7);
+    service.post_json(&path, &endless).await.expect_problem(422, &["/usage"]);
     let mut invalid = event("replaced", "2026-03-01T12:00:00Z", -1.0);
     invalid["note"] = json!("x".repeat(2001));
     service.post_json(&path, &invalid).await.expect_problem(422, &["/usage", "/note"]);

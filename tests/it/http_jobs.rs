@@ -104,6 +104,27 @@ async fn accept_chooses_the_form_of_the_samples() {
 }
 
 #[tokio::test]
+async fn samples_that_changed_since_they_were_kept_are_not_served() {
+    let service = Service::new().await;
+    let path = service.upload_path().await;
+    let accepted = service.post(&path, Some("text/csv"), still_csv()).await.expect(StatusCode::ACCEPTED);
+    let trace = accepted.text("/trace/id");
+    std::fs::write(service.trace_file(&trace), still_csv().replacen("0,0,0,0", "0,0,0,1", 1)).unwrap();
+    data_as(&service, &trace, "text/csv").await.expect_problem(500, &[]);
+}
+
+#[tokio::test]
+async fn a_simulation_without_a_command_is_told_so_once() {
+    let mut body = simulation();
+    body["command"] = json!("");
+    let answer = Service::new().await.post_json("/v1/simulations", &body).await.expect_problem(422, &["/command"]);
+    assert_eq!(answer.text("/errors/0/detail"), "found 0 characters, expected 1 to 10000");
+    body["command"] = json!("dance");
+    let answer = Service::new().await.post_json("/v1/simulations", &body).await.expect_problem(422, &["/command"]);
+    assert!(answer.text("/errors/0/detail").starts_with("found \"dance\", expected "), "{}", answer.json());
+}
+
+#[tokio::test]
 async fn every_field_of_a_simulation_out_of_range_is_told_at_once() {
     let body = json!({"model": "reference", "command": "dance", "faults": {"kgm": 1.5, "fdj_n": 100.0},
         "noise_power": -1.0, "duration_s": 0.0, "sample_rate_hz": 0.5});

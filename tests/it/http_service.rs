@@ -34,6 +34,20 @@ async fn the_clients_request_id_is_kept_and_another_one_is_made() {
 }
 
 #[tokio::test]
+async fn a_request_id_that_is_none_is_replaced() {
+    let service = Service::new().await;
+    let long = "x".repeat(129);
+    for ids in [&[""][..], &["a b"], &["a\tb"], &["\u{e9}"], &[&long], &["a", "b"]] {
+        let builder = ids.iter().fold(Request::get("/healthz"), |builder, id| builder.header("x-request-id", *id));
+        let answer = service.send(builder.body(Body::empty()).unwrap()).await.expect(StatusCode::OK);
+        assert_eq!(answer.header("x-request-id").len(), 36, "{ids:?}");
+        assert_eq!(answer.headers.get_all("x-request-id").iter().count(), 1);
+    }
+    let own = Request::get("/healthz").header("x-request-id", &long[..128]).body(Body::empty()).unwrap();
+    assert_eq!(service.send(own).await.header("x-request-id"), &long[..128]);
+}
+
+#[tokio::test]
 async fn the_probes_answer() {
     let service = Service::new().await;
     for path in ["/healthz", "/readyz"] {

@@ -3,6 +3,7 @@
 use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use elevon::app::{AppError, Application};
 use elevon::config::Config;
@@ -70,6 +71,39 @@ async fn a_client_that_writes_all_of_a_body_over_the_limit_still_reads_the_refus
     assert_eq!(ask(running.address, post(length, &vec![b' '; length])).await, "HTTP/1.1 413");
     running.stop.send(()).unwrap();
     running.ended.await.unwrap().unwrap();
+}
+
+#[tokio::test]
+async fn a_body_announced_over_the_limit_is_refused_before_it_is_sent() {
+    let data = tempfile::tempdir().unwrap();
+    let mut config = config(data.path());
+    config.http.body_limit_bytes = 1024;
+    config.http.body_time_s = 0.01;
+    config.http.bodies_at_once = 1;
+    let running = run(&config).await;
+    let unsent = post(1 << 40, b"");
+    let waiting = String::from_utf8(unsent.clone()).unwrap().replace("\r\n\r\n", "\r\nexpect: 100-continue\r\n\r\n");
+    for text in [unsent, waiting.into_bytes()] {
+        assert_eq!(ask(running.address, text).await, "HTTP/1.1 413");
+    }
+    running.stop.send(()).unwrap();
+    running.ended.await.unwrap().unwrap();
+}
+
+#[tokio::test]
+async fn a_client_that_says_nothing_does_not_hold_a_service_that_is_told_to_end() {
+    let data = tempfile::tempdir().unwrap();
+    let running = run(&config(data.path())).await;
+    let mut silent = TcpStream::connect(running.address).unwrap();
+    silent.write_all(b"POST /v1/actuators HTTP/1.1\r\nhost: localhost\r\ncontent-length: 10\r\n\r\n{").unwrap();
+    assert_eq!(
+        ask(running.address, b"GET /healthz HTTP/1.1\r\nhost: localhost\r\n\r\n".to_vec()).await,
+        "HTTP/1.1 200"
+    );
+    let told = Instant::now();
+    running.stop.send(()).unwrap();
+    running.ended.await.unwrap().unwrap();
+    assert!(told.elapsed() < Duration::from_secs(10), "{:?}", told.elapsed());
 }
 
 #[tokio::test]

@@ -1,5 +1,6 @@
 //! A service in a folder of its own, asked without a socket and its jobs run one step at a time.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
@@ -88,6 +89,11 @@ impl Service {
         let rows: i64 =
             sqlx::query_scalar("SELECT count(*) FROM traces").fetch_one(&self.database().await).await.unwrap();
         assert_eq!(rows, 0, "a refused trace left a record behind");
+    }
+
+    /// Where a trace's bytes are kept.
+    pub fn trace_file(&self, id: &str) -> PathBuf {
+        self.data.path().join("traces").join(&id[id.len() - 2..]).join(id)
     }
 
     /// The database, reached beside the service.

@@ -56,6 +56,7 @@ macro_rules! records_engine {
                 contract_a_serial_number_is_taken_once,
                 contract_actuators_are_listed_in_the_order_of_registration,
                 contract_a_malformed_cursor_is_refused_by_every_list,
+                contract_a_cursor_of_another_list_is_refused,
                 contract_a_forecast_of_an_older_revision_is_refused,
                 contract_what_changes_a_history_makes_its_forecast_stale,
                 contract_the_fleet_is_listed_riskiest_first_page_by_page,
@@ -68,7 +69,13 @@ macro_rules! records_engine {
 /// Every contract of the traces, on one engine.
 macro_rules! traces_engine {
     ($engine:ident, $open:path) => {
-        engine!($engine, $open, [traces::{contract_bytes_come_back_as_they_were_put, contract_deleted_bytes_are_gone}]);
+        engine!($engine, $open, [
+            traces::{
+                contract_bytes_come_back_as_they_were_put,
+                contract_deleted_bytes_are_gone,
+                contract_ids_are_listed_by_their_end,
+            },
+        ]);
     };
 }
 

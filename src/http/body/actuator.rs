@@ -7,7 +7,6 @@ use utoipa::ToSchema;
 use super::check::FieldErrors;
 use crate::http::error::ApiResult;
 use crate::http::limits::NAME_CHARS_MAX;
-use crate::models::fault::{FDJ_MAX_N, FDJ_NOMINAL_N};
 use crate::models::parameters::ParameterSet;
 use crate::store::records::{Actuator, Id, Thresholds, UsageUnit};
 
@@ -42,10 +41,10 @@ pub struct NewActuator {
 #[serde(deny_unknown_fields)]
 struct NewThresholds {
     /// Torque-motor demagnetisation; 0.4 unless told.
-    #[schema(exclusive_minimum = 0, maximum = 1)]
+    #[schema(minimum = 0.01, maximum = 1)]
     kgm: Option<f64>,
     /// Dynamic jack friction, N; 1000 unless told.
-    #[schema(exclusive_minimum = 200, maximum = 2000)]
+    #[schema(minimum = 210, maximum = 2000)]
     fdj_n: Option<f64>,
 }
 
@@ -76,9 +75,8 @@ impl NewThresholds {
     fn check(self, errors: &mut FieldErrors) -> Thresholds {
         let default = Thresholds::default();
         let (kgm, fdj_n) = (self.kgm.unwrap_or(default.kgm), self.fdj_n.unwrap_or(default.fdj_n));
-        errors.number("/thresholds/kgm", kgm, "above 0, at most 1", kgm > 0.0 && kgm <= 1.0);
-        let expected = format!("above {FDJ_NOMINAL_N}, at most {FDJ_MAX_N} N");
-        errors.number("/thresholds/fdj_n", fdj_n, &expected, fdj_n > FDJ_NOMINAL_N && fdj_n <= FDJ_MAX_N);
+        errors.number("/thresholds/kgm", kgm, Thresholds::KGM, "");
+        errors.number("/thresholds/fdj_n", fdj_n, Thresholds::FDJ_N, " N");
         Thresholds { kgm, fdj_n }
     }
 }

@@ -1,5 +1,7 @@
 //! Checks of fields that were read; every error is noted, none ends the checking.
 
+use std::ops::RangeInclusive;
+
 use crate::http::error::{ApiError, ApiResult};
 use crate::http::problem::FieldError;
 
@@ -28,11 +30,16 @@ impl FieldErrors {
         text.to_owned()
     }
 
-    /// A number for which `fits` holds.
-    pub fn number(&mut self, pointer: &str, found: f64, expected: &str, fits: bool) {
-        if !fits {
-            self.add(pointer, format!("found {found}, expected {expected}"));
+    /// A number in a range, in a unit that is told with it.
+    pub fn number(&mut self, pointer: &str, found: f64, range: RangeInclusive<f64>, unit: &str) {
+        if !range.contains(&found) {
+            self.add(pointer, format!("found {found:?}, expected {} to {}{unit}", range.start(), range.end()));
         }
+    }
+
+    /// Whether none was found so far.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
     }
 
     /// The value that was checked.

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 use super::check::FieldErrors;
 use crate::http::error::ApiResult;
 use crate::http::extract::time;
-use crate::http::limits::NOTE_CHARS_MAX;
+use crate::http::limits::{NOTE_CHARS_MAX, USAGE_MAX};
 use crate::store::records::{Id, Maintenance, MaintenanceKind};
 
 /// A maintenance event to report. `replaced` and `overhauled` start a new life; older records stay.
@@ -23,7 +23,7 @@ pub struct NewMaintenance {
     #[serde(deserialize_with = "time::deserialize")]
     at: Timestamp,
     /// The actuator's usage then, in its usage unit.
-    #[schema(minimum = 0)]
+    #[schema(minimum = 0, maximum = 10000000)]
     usage: f64,
     /// What else is worth knowing.
     #[serde(default)]
@@ -38,8 +38,7 @@ impl NewMaintenance {
     /// Every field out of its range.
     pub fn check(self, actuator_id: Id, now: Timestamp) -> ApiResult<Maintenance> {
         let mut errors = FieldErrors::default();
-        let fits = self.usage.is_finite() && self.usage >= 0.0;
-        errors.number("/usage", self.usage, "a finite number, at least 0", fits);
+        errors.number("/usage", self.usage, 0.0..=USAGE_MAX, "");
         let note = errors.text("/note", &self.note, (0, NOTE_CHARS_MAX), true);
         let Self { kind, at, usage, .. } = self;
         errors.pass(Maintenance { id: Id::now(), actuator_id, kind, at, usage, note, created_at: now })

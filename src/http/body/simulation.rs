@@ -15,10 +15,11 @@ pub fn check(mut spec: SimulationSpec) -> ApiResult<SimulationSpec> {
     let mut found = FieldErrors::default();
     spec.command = found.text("/command", &spec.command, (1, COMMAND_CHARS_MAX), false);
     // A command that cannot be read must not hide the other fields' errors.
-    let command = read_command(&spec.command, &mut found).unwrap_or(Drive::Diagnostic);
-    for error in spec.recipe_with(command).check() {
+    let command = if found.is_empty() { read_command(&spec.command, &mut found) } else { None };
+    for error in spec.recipe_with(command.unwrap_or(Drive::Diagnostic)).check() {
         if let SimulationError::OutOfRange { name, found: value, expected } = error {
-            found.add(pointer(name), format!("{name}: found {value}, expected {expected}"));
+            let product = if name.contains(' ') { format!("{name}: ") } else { String::new() };
+            found.add(pointer(name), format!("{product}found {value}, expected {expected}"));
         }
     }
     found.pass(spec)
@@ -31,7 +32,7 @@ fn read_command(text: &str, found: &mut FieldErrors) -> Option<Drive> {
         return None;
     }
     let read: Result<Drive, DriveError> = text.parse();
-    read.map_err(|error| found.add("/command", error.to_string())).ok()
+    read.map_err(|error| found.add("/command", format!("found {:?}, expected {}", error.found, error.expected))).ok()
 }
 
 /// Where a field of the recipe stands in the body; what is said of two fields points to the first.

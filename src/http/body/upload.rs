@@ -7,6 +7,7 @@ use crate::estimation::Settings;
 use crate::formats::{self, Format, FormatError, ReadOptions};
 use crate::http::error::{ApiError, ApiResult};
 use crate::http::extract::query::{Fields, FromQuery};
+use crate::http::limits::USAGE_MAX;
 use crate::http::problem::FieldError;
 use crate::store::records::{self, Id, TraceRecord};
 
@@ -23,9 +24,10 @@ pub struct UploadQuery {
     #[param(example = "2026-03-01T12:00:00Z")]
     pub recorded_at: Timestamp,
     /// The actuator's usage then, in its usage unit.
-    #[param(minimum = 0, example = 1250.5)]
+    #[param(minimum = 0, maximum = 10000000, example = 1250.5)]
     pub usage: f64,
     /// Seed of the search; 1 unless told.
+    #[param(maximum = 18446744073709551615_u64)]
     pub seed: Option<u64>,
     /// Candidates in a generation.
     #[param(minimum = 4, maximum = 1000, default = 40)]
@@ -60,7 +62,7 @@ impl FromQuery for UploadQuery {
 }
 
 fn usage(fields: &mut Fields) -> Option<f64> {
-    fields.number("usage", "a finite number, at least 0", |value| value.is_finite() && value >= 0.0)
+    fields.number("usage", &format!("0 to {USAGE_MAX}"), |value| (0.0..=USAGE_MAX).contains(&value))
 }
 
 impl UploadQuery {

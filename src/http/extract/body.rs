@@ -3,9 +3,9 @@
 use std::future::poll_fn;
 use std::pin::Pin;
 
-use axum::body::{Body, HttpBody};
+use axum::body::{Body, Bytes, HttpBody};
 use axum::extract::{FromRef, FromRequest, Request};
-use axum::http::header::{CONTENT_ENCODING, CONTENT_TYPE};
+use axum::http::header::{CONTENT_ENCODING, CONTENT_TYPE, EXPECT};
 use axum::http::{HeaderMap, HeaderName};
 use tokio::sync::OwnedSemaphorePermit;
 
@@ -33,8 +33,15 @@ where
 
     async fn from_request(request: Request, state: &S) -> ApiResult<Self> {
         let limits = Limits::from_ref(state);
-        let permit = limits.bodies.acquire_owned().await.map_err(ApiError::internal)?;
         let (parts, body) = request.into_parts();
+        if body.size_hint().lower() > limits.body_bytes as u64 {
+            // Who waits for `100 Continue` sends nothing; who does not may read the refusal only after all was written.
+            if !parts.headers.contains_key(EXPECT) {
+                tokio::spawn(tokio::time::timeout(limits.body_time, discard(body, limits.body_bytes)));
+            }
+            return Err(ApiError::TooLarge { limit_bytes: limits.body_bytes });
+        }
+        let permit = limits.bodies.acquire_owned().await.map_err(ApiError::internal)?;
         let bytes = tokio::time::timeout(limits.body_time, read(body, limits.body_bytes))
             .await
             .map_err(|_| ApiError::SlowBody { limit_s: limits.body_time.as_secs_f64() })??;
@@ -83,19 +90,33 @@ impl RawBody {
 /// Reads a body of at most `limit` bytes.
 async fn read(mut body: Body, limit: usize) -> ApiResult<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut seen = 0_usize;
-    while let Some(frame) = poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await {
-        let Ok(data) = frame.map_err(|_| ApiError::BrokenBody)?.into_data() else { continue };
-        seen = seen.saturating_add(data.len());
-        if seen <= limit {
-            bytes.extend_from_slice(&data);
-        } else if seen <= limit.saturating_mul(DISCARD_FACTOR) {
-            bytes = Vec::new();
-        } else {
-            break;
+    while let Some(data) = next(&mut body).await {
+        let data = data.map_err(|_| ApiError::BrokenBody)?;
+        if bytes.len() + data.len() > limit {
+            drop(bytes);
+            discard(body, limit).await;
+            return Err(ApiError::TooLarge { limit_bytes: limit });
+        }
+        bytes.extend_from_slice(&data);
+    }
+    Ok(bytes)
+}
+
+/// Reads a body that is refused and keeps nothing of it.
+async fn discard(mut body: Body, limit: usize) {
+    let mut left = limit.saturating_mul(DISCARD_FACTOR);
+    while let Some(Ok(data)) = next(&mut body).await {
+        left = left.saturating_sub(data.len());
+        if left == 0 {
+            return;
         }
     }
-    if seen > limit { Err(ApiError::TooLarge { limit_bytes: limit }) } else { Ok(bytes) }
+}
+
+/// The next piece of a body, empty when it is not of its data.
+async fn next(body: &mut Body) -> Option<Result<Bytes, axum::Error>> {
+    let frame = poll_fn(|context| Pin::new(&mut *body).poll_frame(context)).await?;
+    Some(frame.map(|frame| frame.into_data().unwrap_or_default()))
 }
 
 #[cfg(test)]

@@ -1,7 +1,10 @@
 //! JSON bodies, strictly: unknown fields and wrong types are named by a JSON pointer.
 
+use std::fmt;
+
 use axum::extract::{FromRef, FromRequest, Request};
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_path_to_error::{Path, Segment};
 
 use super::body::RawBody;
@@ -27,13 +30,81 @@ where
     }
 }
 
-/// Reads one JSON value and nothing after it.
+/// Reads one JSON value and nothing after it. No body that is read so holds an array; an object may not be given as one.
 fn parse<T: DeserializeOwned>(bytes: &[u8]) -> ApiResult<T> {
+    read::<NoArrays>(bytes)?;
+    read(bytes)
+}
+
+fn read<T: DeserializeOwned>(bytes: &[u8]) -> ApiResult<T> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut deserializer)
-        .map_err(|error| ApiError::malformed(pointer(error.path()), error.inner().to_string()))?;
+        .map_err(|error| ApiError::malformed(pointer(error.path()), in_plain_words(&error.inner().to_string())))?;
     deserializer.end().map_err(|error| ApiError::malformed("", error.to_string()))?;
     Ok(value)
+}
+
+/// An error of the reader, with what was expected in JSON's words instead of the reader's.
+fn in_plain_words(error: &str) -> String {
+    let Some((found, rest)) = error.rsplit_once(", expected ") else { return error.to_owned() };
+    let (expected, place) = rest.split_at(rest.find(" at line ").unwrap_or(rest.len()));
+    let expected = match expected {
+        "f64" => "a number",
+        "u64" => "an integer, at least 0",
+        of_a_type if of_a_type.starts_with("struct ") => "an object",
+        other => other,
+    };
+    format!("{found}, expected {expected}{place}")
+}
+
+/// Any JSON without an array in it, read and not kept.
+struct NoArrays;
+
+impl<'de> Deserialize<'de> for NoArrays {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(Self)
+    }
+}
+
+impl<'de> Visitor<'de> for NoArrays {
+    type Value = Self;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("an object or a single value")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, _: A) -> Result<Self, A::Error> {
+        Err(A::Error::custom("found an array, expected an object or a single value"))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self, A::Error> {
+        while map.next_entry::<String, Self>()?.is_some() {}
+        Ok(self)
+    }
+
+    fn visit_bool<E>(self, _: bool) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_i64<E>(self, _: i64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_u64<E>(self, _: u64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_f64<E>(self, _: f64) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_str<E>(self, _: &str) -> Result<Self, E> {
+        Ok(self)
+    }
+
+    fn visit_unit<E>(self) -> Result<Self, E> {
+        Ok(self)
+    }
 }
 
 /// A path as a JSON pointer (RFC 6901).
@@ -48,8 +119,6 @@ fn pointer(path: &Path) -> String {
 
 #[cfg(test)]
 mod tests {
-    use serde::Deserialize;
-
     use super::*;
 
     #[derive(Debug, Deserialize)]
@@ -63,22 +132,53 @@ mod tests {
     #[serde(deny_unknown_fields)]
     struct Inner {
         #[expect(dead_code, reason = "only read")]
-        list: Vec<f64>,
+        number: f64,
     }
 
-    fn refused_at(text: &str) -> String {
+    fn refused(text: &str) -> (String, String) {
         match parse::<Outer>(text.as_bytes()) {
-            Err(ApiError::Malformed(errors)) => errors[0].pointer.clone(),
+            Err(ApiError::Malformed(mut errors)) => {
+                let error = errors.remove(0);
+                (error.pointer, error.detail)
+            }
             other => panic!("{other:?}"),
         }
     }
 
     #[test]
     fn a_fault_is_named_by_its_json_pointer() {
-        assert_eq!(refused_at(r#"{"inner": {"list": [1, "2"]}}"#), "/inner/list/1");
-        assert_eq!(refused_at(r#"{"inner": {"list": [], "a/b~": 1}}"#), "/inner/a~1b~0");
-        assert_eq!(refused_at(r#"{"inner": {}}"#), "/inner");
-        assert_eq!(refused_at(r#"{"inner": {"list": []}} x"#), "");
-        assert_eq!(refused_at("7"), "");
+        assert!(parse::<Outer>(br#"{"inner": {"number": 1}}"#).is_ok());
+        for (text, pointer) in [
+            (r#"{"inner": {"number": "2"}}"#, "/inner/number"),
+            (r#"{"inner": {"number": 1, "a/b~": 1}}"#, "/inner/a~1b~0"),
+            (r#"{"inner": {}}"#, "/inner"),
+            (r#"{"inner": {"number": 1}} x"#, ""),
+            ("7", ""),
+        ] {
+            assert_eq!(refused(text).0, pointer, "{text}");
+        }
+    }
+
+    #[test]
+    fn an_array_is_refused_wherever_it_stands() {
+        for (text, pointer) in
+            [("[[1]]", ""), (r#"{"inner": [1]}"#, "/inner"), (r#"{"inner": {"number": 1, "x": []}}"#, "/inner/x")]
+        {
+            let (found, detail) = refused(text);
+            assert_eq!(found, pointer, "{text}");
+            assert!(detail.starts_with("found an array, expected an object"), "{detail}");
+        }
+    }
+
+    #[test]
+    fn what_was_expected_is_told_in_words_of_json() {
+        for (text, expected) in [
+            ("7", "invalid type: integer `7`, expected an object at line 1"),
+            (r#"{"inner": 7}"#, "invalid type: integer `7`, expected an object at line 1"),
+            (r#"{"inner": {"number": "2"}}"#, "invalid type: string \"2\", expected a number at line 1"),
+        ] {
+            let detail = refused(text).1;
+            assert!(detail.starts_with(expected), "{detail}");
+        }
     }
 }

@@ -43,7 +43,7 @@ async fn healthz() -> Json<Status> {
     Json(OK)
 }
 
-/// Whether the service can work: its records can be read.
+/// Whether the service can work: its records can be read and written.
 #[utoipa::path(
     get,
     path = "/readyz",

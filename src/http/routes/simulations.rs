@@ -10,7 +10,7 @@ use crate::http::body::simulation::check;
 use crate::http::error::ApiResult;
 use crate::http::extract::json::JsonBody;
 use crate::http::extract::query::{NoQuery, Query};
-use crate::http::openapi::{BodyProblems, QueueProblem};
+use crate::http::openapi::BodyProblems;
 use crate::jobs::kind::{JobSpec, SimulationSpec};
 
 /// The routes about simulations.
@@ -27,8 +27,7 @@ pub fn routes() -> OpenApiRouter<App> {
     responses(
         (status = 202, description = "The job", body = JobAccepted,
          headers(("location" = String, description = "The job's path"))),
-        BodyProblems,
-        QueueProblem
+        BodyProblems
     )
 )]
 async fn create_simulation(

@@ -16,7 +16,7 @@ use crate::models::drive::DriveError;
 use crate::models::simulate::SimulationError;
 use crate::models::trace::Trace;
 use crate::numeric::watch::Watch;
-use crate::store::records::{Actuator, Id, Job, Outcome, TraceRecord};
+use crate::store::records::{Actuator, Id, Job, Outcome, TraceRecord, sha256_hex};
 use crate::store::{LifeHistory, Records, StoreError, Traces};
 use predict::RemainingLife;
 
@@ -31,6 +31,16 @@ pub enum RunError {
     TraceMissing {
         /// The trace.
         id: Id,
+    },
+    /// The kept bytes are not those that were kept.
+    #[error("the bytes of trace {id} changed in the store: found SHA-256 {found}, expected {expected}")]
+    TraceChanged {
+        /// The trace.
+        id: Id,
+        /// The SHA-256 of its bytes now.
+        found: String,
+        /// The one that its record has.
+        expected: String,
     },
     /// The kept bytes are of a type that is not read.
     #[error("trace {id} is of media type {found:?}, which cannot be read")]
@@ -124,9 +134,13 @@ impl Compute for Models {
 /// Reads the kept bytes of a trace, as its record says.
 ///
 /// # Errors
-/// A media type that is not read, or bytes that are no valid trace.
+/// Bytes that changed since they were kept, a media type that is not read, or bytes that are no valid trace.
 pub fn read_trace(record: &TraceRecord, bytes: &[u8]) -> Result<Trace, RunError> {
-    let TraceRecord { id, media_type, columns, sample_rate_hz, .. } = record;
+    let TraceRecord { id, media_type, columns, sample_rate_hz, sha256, .. } = record;
+    let found = sha256_hex(bytes);
+    if found != *sha256 {
+        return Err(RunError::TraceChanged { id: *id, found, expected: sha256.clone() });
+    }
     let format = Format::from_media_type(media_type)
         .ok_or_else(|| RunError::MediaType { id: *id, found: media_type.clone() })?;
     let invalid = |errors| RunError::Trace { id: *id, errors };

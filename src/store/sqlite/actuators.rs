@@ -42,10 +42,10 @@ pub(super) async fn one(readers: &SqlitePool, id: Id) -> Result<Option<Actuator>
 }
 
 pub(super) async fn list(readers: &SqlitePool, page: &Page) -> Result<Paged<Actuator>, StoreError> {
-    let after = page.start::<Id>()?.map(|id| id.to_string()).unwrap_or_default();
+    let after = page.start::<Id>(&["actuators"])?.map(|id| id.to_string()).unwrap_or_default();
     let rows = sqlx::query(LIST).bind(after).bind(page.rows()).fetch_all(readers).await?;
     let items = rows.iter().map(read).collect::<Result<_, _>>()?;
-    Ok(page.cut(items, |actuator: &Actuator| actuator.id))
+    Ok(page.cut(&["actuators"], items, |actuator: &Actuator| actuator.id))
 }
 
 /// Reads the columns of [`ONE`] from the start of a row.

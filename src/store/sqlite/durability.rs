@@ -1,4 +1,4 @@
-//! What a loss of power must not undo, and which of SQLite's errors are worth another try.
+//! What a loss of power must not undo, which of SQLite's errors are worth another try, and what comes after them.
 
 use std::io;
 use std::time::Duration;
@@ -6,7 +6,8 @@ use std::time::Duration;
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 
 use super::{FILE, SqliteRecords};
-use crate::store::StoreError;
+use crate::store::records::{Id, JobKind, NewJob, now};
+use crate::store::{Records as _, StoreError};
 
 #[tokio::test]
 async fn every_commit_is_synced_and_goes_through_the_log() {
@@ -45,4 +46,32 @@ fn only_what_somebody_else_can_end_may_pass() {
     for error in [sqlx::Error::PoolClosed.into(), sqlx::Error::RowNotFound.into(), denied] {
         assert!(!StoreError::may_pass(&error), "{error:?}");
     }
+}
+
+#[tokio::test]
+async fn writes_succeed_again_once_a_full_disk_has_room() {
+    let dir = tempfile::tempdir().unwrap();
+    let records = SqliteRecords::open(dir.path()).await.unwrap();
+    let spec = serde_json::json!({"text": "x".repeat(100_000)});
+    let job = NewJob { id: Id::now(), kind: JobKind::Simulation, spec, created_at: now() };
+    let pages_max = async |pages: u32| {
+        let pragma = format!("PRAGMA max_page_count = {pages}");
+        sqlx::query(sqlx::AssertSqlSafe(pragma)).execute(&records.writer).await.unwrap();
+    };
+    pages_max(1).await;
+    let full = records.insert_job(&job, 10).await.unwrap_err();
+    assert!(full.may_pass(), "{full:?}");
+    pages_max(u32::MAX / 2).await;
+    records.insert_job(&job, 10).await.unwrap();
+    records.ping().await.unwrap();
+    assert!(records.job(job.id).await.unwrap().is_some());
+}
+
+#[tokio::test]
+async fn records_that_cannot_be_written_are_not_ready() {
+    let dir = tempfile::tempdir().unwrap();
+    let records = SqliteRecords::open(dir.path()).await.unwrap();
+    records.ping().await.unwrap();
+    records.writer.close().await;
+    records.ping().await.unwrap_err();
 }

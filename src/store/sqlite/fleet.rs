@@ -90,7 +90,11 @@ pub(super) async fn list(
     tail_number: Option<&str>,
     page: &Page,
 ) -> Result<Paged<FleetRow>, StoreError> {
-    let after = page.start::<(f64, (f64, Id))>()?.map(|(risk, (median, id))| (risk, median, id.to_string()));
+    let of: &[&str] = match tail_number {
+        Some(tail_number) => &["fleet", tail_number],
+        None => &["fleet"],
+    };
+    let after = page.start::<(f64, (f64, Id))>(of)?.map(|(risk, (median, id))| (risk, median, id.to_string()));
     let (risk, median, id) = after.unwrap_or((f64::NEG_INFINITY, f64::NEG_INFINITY, String::new()));
     let query = sqlx::query(if tail_number.is_some() { FLEET_OF_TAIL } else { FLEET })
         .bind(risk)
@@ -103,7 +107,7 @@ pub(super) async fn list(
     };
     let items: Vec<_> = rows.iter().map(read_row).collect::<Result<_, _>>()?;
     let Paged { items, next_cursor } =
-        page.cut(items, |(row, order): &(FleetRow, (f64, f64))| (order.0, (order.1, row.actuator.id)));
+        page.cut(of, items, |(row, order): &(FleetRow, (f64, f64))| (order.0, (order.1, row.actuator.id)));
     Ok(Paged { items: items.into_iter().map(|(row, _)| row).collect(), next_cursor })
 }
 

@@ -60,11 +60,15 @@ pub(super) async fn list(
     to: Option<Timestamp>,
     page: &Page,
 ) -> Result<Paged<HealthRecord>, StoreError> {
-    let after = page.start::<(i64, Id)>()?.map(|(at, trace)| (at, trace.to_string()));
+    let (first, last) =
+        (from.map(|at| at.to_string()).unwrap_or_default(), to.map(|at| at.to_string()).unwrap_or_default());
+    let actuator = actuator.to_string();
+    let of = ["health", &actuator, &first, &last];
+    let after = page.start::<(i64, Id)>(&of)?.map(|(at, trace)| (at, trace.to_string()));
     let from = from.map(|at| (micros(at), String::new()));
     let (at, trace) = from.max(after).unwrap_or((i64::MIN, String::new()));
     let rows = sqlx::query(LIST)
-        .bind(actuator.to_string())
+        .bind(&actuator)
         .bind(at)
         .bind(trace)
         .bind(to.map_or(i64::MAX, micros))
@@ -72,7 +76,7 @@ pub(super) async fn list(
         .fetch_all(readers)
         .await?;
     let items = rows.iter().map(|row| read(row, 0)).collect::<Result<_, _>>()?;
-    Ok(page.cut(items, |record: &HealthRecord| (micros(record.recorded_at), record.trace_id)))
+    Ok(page.cut(&of, items, |record: &HealthRecord| (micros(record.recorded_at), record.trace_id)))
 }
 
 pub(super) async fn life(readers: &SqlitePool, actuator: Id) -> Result<Option<LifeHistory>, StoreError> {
@@ -120,17 +124,13 @@ pub(super) async fn maintenance(
     actuator: Id,
     page: &Page,
 ) -> Result<Paged<Maintenance>, StoreError> {
-    let after = page.start::<(i64, Id)>()?.map(|(at, id)| (at, id.to_string()));
+    let actuator = actuator.to_string();
+    let of = ["maintenance", &actuator];
+    let after = page.start::<(i64, Id)>(&of)?.map(|(at, id)| (at, id.to_string()));
     let (at, id) = after.unwrap_or((i64::MIN, String::new()));
-    let rows = sqlx::query(MAINTENANCE)
-        .bind(actuator.to_string())
-        .bind(at)
-        .bind(id)
-        .bind(page.rows())
-        .fetch_all(readers)
-        .await?;
+    let rows = sqlx::query(MAINTENANCE).bind(&actuator).bind(at).bind(id).bind(page.rows()).fetch_all(readers).await?;
     let items = rows.iter().map(read_maintenance).collect::<Result<_, _>>()?;
-    Ok(page.cut(items, |event: &Maintenance| (micros(event.at), event.id)))
+    Ok(page.cut(&of, items, |event: &Maintenance| (micros(event.at), event.id)))
 }
 
 /// Reads the columns of [`LIST`] from column `first` on.

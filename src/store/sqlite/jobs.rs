@@ -74,14 +74,15 @@ pub(super) async fn one(executor: impl sqlx::SqliteExecutor<'_>, id: Id) -> Resu
 }
 
 pub(super) async fn list(readers: &SqlitePool, state: Option<JobState>, page: &Page) -> Result<Paged<Job>, StoreError> {
-    let before = page.start::<Id>()?.map_or_else(|| AFTER_ALL.into(), |id| id.to_string());
+    let of = ["jobs", state.map_or("", JobState::name)];
+    let before = page.start::<Id>(&of)?.map_or_else(|| AFTER_ALL.into(), |id| id.to_string());
     let query = sqlx::query(if state.is_some() { LIST_IN_STATE } else { LIST }).bind(before).bind(page.rows());
     let rows = match state {
         Some(state) => query.bind(state.name()).fetch_all(readers).await?,
         None => query.fetch_all(readers).await?,
     };
     let items = rows.iter().map(read).collect::<Result<_, _>>()?;
-    Ok(page.cut(items, |job: &Job| job.id))
+    Ok(page.cut(&of, items, |job: &Job| job.id))
 }
 
 pub(super) async fn counts(readers: &SqlitePool) -> Result<Vec<(JobState, u64)>, StoreError> {

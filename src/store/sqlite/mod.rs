@@ -19,7 +19,7 @@ use async_trait::async_trait;
 use jiff::Timestamp;
 use sqlx::migrate::Migrator;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
-use sqlx::{Sqlite, Transaction};
+use sqlx::{Connection as _, Sqlite, SqliteConnection, Transaction};
 
 use super::local::create_durably;
 use super::records::{
@@ -57,7 +57,11 @@ impl SqliteRecords {
             .synchronous(SqliteSynchronous::Full)
             .foreign_keys(true)
             .busy_timeout(BUSY_TIMEOUT);
-        let writer = SqlitePoolOptions::new().max_connections(1).connect_with(options.clone()).await?;
+        let writer = SqlitePoolOptions::new()
+            .max_connections(1)
+            .after_release(|connection, _| Box::pin(is_between_transactions(connection)))
+            .connect_with(options.clone())
+            .await?;
         MIGRATIONS.run(&writer).await?;
         let readers = SqlitePoolOptions::new().max_connections(READERS).connect_with(options.read_only(true)).await?;
         Ok(Self { writer, readers })
@@ -70,6 +74,14 @@ impl SqliteRecords {
     }
 }
 
+/// Whether a connection may be used again. SQLite itself rolls a transaction back when, say, the disk is full; the
+/// driver then still counts itself within one and would refuse every later transaction, so the connection is closed.
+async fn is_between_transactions(connection: &mut SqliteConnection) -> Result<bool, sqlx::Error> {
+    // A transaction that was dropped is rolled back before the ping is answered.
+    connection.ping().await?;
+    Ok(!connection.is_in_transaction())
+}
+
 /// Begins a transaction that holds the write lock from its start.
 async fn begin(writer: &SqlitePool) -> Result<Transaction<'static, Sqlite>, StoreError> {
     Ok(writer.begin_with("BEGIN IMMEDIATE").await?)
@@ -79,7 +91,7 @@ async fn begin(writer: &SqlitePool) -> Result<Transaction<'static, Sqlite>, Stor
 impl Records for SqliteRecords {
     async fn ping(&self) -> Result<(), StoreError> {
         sqlx::query("SELECT 1 FROM actuators LIMIT 1").fetch_optional(&self.readers).await?;
-        Ok(())
+        Ok(begin(&self.writer).await?.rollback().await?)
     }
 
     async fn insert_actuator(&self, actuator: &Actuator) -> Result<(), StoreError> {
@@ -96,6 +108,10 @@ impl Records for SqliteRecords {
 
     async fn insert_upload(&self, trace: &TraceRecord, job: &NewJob, queue_limit: u64) -> Result<(), StoreError> {
         uploads::insert(&self.writer, trace, job, queue_limit).await
+    }
+
+    async fn unrecorded_traces(&self, ids: &[Id]) -> Result<Vec<Id>, StoreError> {
+        traces::unrecorded(&self.readers, ids).await
     }
 
     async fn trace(&self, id: Id) -> Result<Option<TraceRecord>, StoreError> {

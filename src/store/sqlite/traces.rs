@@ -13,6 +13,9 @@ const INSERT: &str = "INSERT INTO traces
 const ONE: &str = "SELECT id, actuator_id, recorded_at, usage, media_type, columns, sample_rate_hz, size_bytes, sha256,
     samples, duration_s, created_at FROM traces WHERE id = ?1";
 
+const UNRECORDED: &str =
+    "SELECT given.value FROM json_each(?1) AS given WHERE NOT EXISTS (SELECT 1 FROM traces WHERE id = given.value)";
+
 pub(super) async fn insert(connection: &mut SqliteConnection, trace: &TraceRecord) -> Result<(), StoreError> {
     sqlx::query(INSERT)
         .bind(trace.id.to_string())
@@ -30,6 +33,12 @@ pub(super) async fn insert(connection: &mut SqliteConnection, trace: &TraceRecor
         .execute(connection)
         .await?;
     Ok(())
+}
+
+pub(super) async fn unrecorded(readers: &SqlitePool, ids: &[Id]) -> Result<Vec<Id>, StoreError> {
+    let given = serde_json::to_string(ids).expect("ids are strings");
+    let rows = sqlx::query(UNRECORDED).bind(given).fetch_all(readers).await?;
+    rows.iter().map(|row| Reader::new(row, "trace", 0).id()).collect()
 }
 
 pub(super) async fn one(readers: &SqlitePool, id: Id) -> Result<Option<TraceRecord>, StoreError> {

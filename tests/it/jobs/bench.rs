@@ -17,7 +17,7 @@ use elevon::models::parameters::ParameterSet;
 use elevon::models::simulate::{ModelKind, Simulation, simulate};
 use elevon::numeric::watch::{Unwatched, Watch};
 use elevon::store::local::LocalTraces;
-use elevon::store::records::{Id, Job, TraceRecord};
+use elevon::store::records::{Id, Job, TraceRecord, sha256_hex};
 use elevon::store::sqlite::SqliteRecords;
 use elevon::store::{Records, Traces};
 
@@ -59,6 +59,7 @@ impl Bench {
     pub async fn upload(&self, actuator: Id, second: i64, bytes: Vec<u8>) -> (TraceRecord, Job) {
         let mut trace = samples::trace(actuator, second);
         (trace.columns, trace.sample_rate_hz) = (String::new(), None);
+        trace.sha256 = sha256_hex(&bytes);
         let spec = JobSpec::Estimation { trace_id: trace.id, settings: Settings::default() };
         let job = self.jobs.upload(trace.clone(), bytes, spec).await.unwrap();
         (trace, job)

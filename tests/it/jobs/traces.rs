@@ -49,6 +49,10 @@ impl Traces for Failing {
         self.then(found)
     }
 
+    async fn ids_ending_in(&self, end: u8) -> Result<Vec<Id>, StoreError> {
+        self.traces.ids_ending_in(end).await
+    }
+
     async fn delete(&self, id: Id) -> Result<(), StoreError> {
         self.traces.delete(id).await
     }
@@ -131,6 +135,10 @@ impl Traces for Witness {
         self.traces.get(id).await
     }
 
+    async fn ids_ending_in(&self, end: u8) -> Result<Vec<Id>, StoreError> {
+        self.traces.ids_ending_in(end).await
+    }
+
     async fn delete(&self, id: Id) -> Result<(), StoreError> {
         self.traces.delete(id).await
     }
@@ -153,4 +161,35 @@ async fn a_trace_is_durable_before_its_record_is_there() {
     for id in [uploaded.id, simulated] {
         assert!(bench.records.trace(id).await.unwrap().is_some());
     }
+}
+
+#[tokio::test]
+async fn bytes_that_a_killed_process_left_without_a_record_are_deleted_at_the_next_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let kept = {
+        let bench = Bench::open(dir.path(), driven(), Models).await;
+        let (kept, _) = bench.upload(registered(&*bench.records, "A").await.id, 10, csv()).await;
+        for _ in 0..3 {
+            bench.traces.put(Id::now(), csv()).await.unwrap();
+        }
+        kept.id
+    };
+    assert_eq!(files(dir.path()), 4);
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    bench.jobs.start().await.unwrap();
+    assert_eq!(files(dir.path()), 1);
+    assert!(bench.traces.get(kept).await.unwrap().is_some());
+}
+
+#[tokio::test]
+async fn bytes_that_changed_since_they_were_kept_fail_the_job() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let (trace, job) = bench.upload(registered(&*bench.records, "A").await.id, 10, csv()).await;
+    let changed = String::from_utf8(csv()).unwrap().replacen("0.1", "0.2", 1);
+    bench.traces.put(trace.id, changed.into_bytes()).await.unwrap();
+    assert_eq!(bench.run_all().await, 1);
+    let job = bench.job(job.id).await;
+    assert_eq!(job.state, JobState::Failed);
+    assert!(job.error.as_ref().unwrap().contains("SHA-256"), "{:?}", job.error);
 }

@@ -1,9 +1,9 @@
 use std::sync::Arc;
 
-use elevon::store::records::{Id, MaintenanceKind};
+use elevon::store::records::{Id, JobState, MaintenanceKind};
 use elevon::store::{FleetRow, Page, Records, StoreError};
 
-use super::samples::{actuator, all, forecast, maintained, measured, registered};
+use super::samples::{actuator, all, at, forecast, maintained, measured, registered};
 
 pub async fn contract_a_serial_number_is_taken_once(records: Arc<dyn Records>) {
     let first = registered(&*records, "SN-1").await;
@@ -37,6 +37,30 @@ pub async fn contract_a_malformed_cursor_is_refused_by_every_list(records: Arc<d
     for error in errors {
         assert!(matches!(&error, StoreError::Cursor { found } if found == "no cursor"), "{error}");
     }
+}
+
+pub async fn contract_a_cursor_of_another_list_is_refused(records: Arc<dyn Records>) {
+    let (a, b) = (registered(&*records, "A").await.id, registered(&*records, "B").await.id);
+    for second in [10, 20] {
+        measured(&*records, a, second, Some(0.1)).await;
+        maintained(&*records, a, MaintenanceKind::Inspected, second).await;
+    }
+    let first = Page { after: None, limit: 1 };
+    let of_health = records.health(a, None, None, &first).await.unwrap().next_cursor;
+    let of_fleet = records.fleet(None, &first).await.unwrap().next_cursor;
+    let of_jobs = records.jobs(None, &first).await.unwrap().next_cursor;
+    assert!(of_health.is_some() && of_fleet.is_some() && of_jobs.is_some());
+    let [of_health, of_fleet, of_jobs] = [of_health, of_fleet, of_jobs].map(|after| Page { after, limit: 1 });
+    let errors = [
+        records.health(b, None, None, &of_health).await.unwrap_err(),
+        records.health(a, Some(at(10)), None, &of_health).await.unwrap_err(),
+        records.maintenance(a, &of_health).await.unwrap_err(),
+        records.fleet(Some("I-ABCD"), &of_fleet).await.unwrap_err(),
+        records.actuators(&of_jobs).await.unwrap_err(),
+        records.jobs(Some(JobState::Succeeded), &of_jobs).await.unwrap_err(),
+    ];
+    assert!(errors.iter().all(|error| matches!(error, StoreError::Cursor { .. })), "{errors:?}");
+    assert_eq!(records.health(a, None, None, &of_health).await.unwrap().items.len(), 1);
 }
 
 pub async fn contract_a_forecast_of_an_older_revision_is_refused(records: Arc<dyn Records>) {

@@ -25,3 +25,19 @@ pub async fn contract_deleted_bytes_are_gone(traces: Arc<dyn Traces>) {
     }
     assert_eq!(traces.get(kept).await.unwrap(), Some(vec![1, 2, 3]));
 }
+
+pub async fn contract_ids_are_listed_by_their_end(traces: Arc<dyn Traces>) {
+    let mut kept: Vec<_> = (0..50).map(|_| Id::now()).collect();
+    for id in &kept {
+        traces.put(*id, vec![1]).await.unwrap();
+    }
+    let mut listed = Vec::new();
+    for end in 0..=u8::MAX {
+        let ids = traces.ids_ending_in(end).await.unwrap();
+        assert!(ids.iter().all(|id| id.to_string().ends_with(&format!("{end:02x}"))), "{ids:?}");
+        listed.extend(ids);
+    }
+    listed.sort_unstable();
+    kept.sort_unstable();
+    assert_eq!(listed, kept);
+}

@@ -12,7 +12,7 @@ use crate::http::error::{ApiError, ApiResult};
 use crate::http::extract::body::RawBody;
 use crate::http::extract::id::PathId;
 use crate::http::extract::query;
-use crate::http::openapi::{QueueProblem, RecordBodyProblems};
+use crate::http::openapi::RecordBodyProblems;
 use crate::http::routes::actuator;
 use crate::jobs::kind::JobSpec;
 
@@ -38,8 +38,7 @@ use crate::jobs::kind::JobSpec;
     responses(
         (status = 202, description = "The trace, and the job that estimates from it", body = UploadAccepted,
          headers(("location" = String, description = "The job's path"))),
-        RecordBodyProblems,
-        QueueProblem
+        RecordBodyProblems
     )
 )]
 pub(super) async fn upload_trace(
