@@ -221,13 +221,13 @@ impl Jobs {
         }
     }
 
-    /// Deletes the bytes of every trace without a record, while nothing else keeps any.
+    /// Sets the bytes of every trace without a record aside, while nothing else keeps any.
     async fn sweep(&self) -> Result<(), StoreError> {
         for end in 0..=u8::MAX {
             let ids = self.traces.ids_ending_in(end).await?;
             for id in self.records.unrecorded_traces(&ids).await? {
-                tracing::info!(trace_id = %id, "bytes without a record deleted");
-                self.forget(id).await;
+                tracing::warn!(trace_id = %id, "a trace's bytes without a record were set aside");
+                self.traces.set_aside(id).await?;
             }
         }
         Ok(())

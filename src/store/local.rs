@@ -14,6 +14,8 @@ use super::{StoreError, Traces};
 
 /// The folder of files that are being written.
 const INCOMING: &str = "incoming";
+/// The folder of files that were set aside.
+const ASIDE: &str = "unrecorded";
 
 /// Traces under one folder.
 #[derive(Debug, Clone)]
@@ -52,6 +54,7 @@ fn prepare(dir: &Path) -> io::Result<()> {
     create_durably(dir)?;
     let incoming = dir.join(INCOMING);
     fs::create_dir_all(&incoming)?;
+    fs::create_dir_all(dir.join(ASIDE))?;
     fs::read_dir(&incoming)?.try_for_each(|entry| fs::remove_file(entry?.path()))?;
     (0..=u8::MAX).try_for_each(|end| fs::create_dir_all(dir.join(format!("{end:02x}"))))?;
     sync_folder(dir)
@@ -115,6 +118,11 @@ impl Traces for LocalTraces {
         let listed = spawn_blocking(move || ids_in(&folder)).await;
         let listed = listed.unwrap_or_else(|ended| Err(io::Error::other(ended)));
         listed.map_err(|source| StoreError::File { path, source })
+    }
+
+    async fn set_aside(&self, id: Id) -> Result<(), StoreError> {
+        let aside = self.dir.join(ASIDE).join(id.to_string());
+        self.run(id, move |_, target| if_found(fs::rename(target, aside)).map(drop)).await
     }
 
     async fn delete(&self, id: Id) -> Result<(), StoreError> {

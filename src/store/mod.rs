@@ -215,6 +215,9 @@ pub trait Traces: Send + Sync {
     async fn get(&self, id: Id) -> Result<Option<Vec<u8>>, StoreError>;
     /// The ids that end in a byte and have bytes: for all of them, part by part.
     async fn ids_ending_in(&self, end: u8) -> Result<Vec<Id>, StoreError>;
+    /// Puts the bytes under an id where nobody finds them but an operator: no record names them, which a kill between bytes
+    /// and record explains, but so does a database that was restored from an older backup.
+    async fn set_aside(&self, id: Id) -> Result<(), StoreError>;
     /// Forgets the bytes under an id, if any: for a trace whose record could not be kept.
     async fn delete(&self, id: Id) -> Result<(), StoreError>;
 }

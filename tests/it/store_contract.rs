@@ -72,7 +72,7 @@ macro_rules! traces_engine {
         engine!($engine, $open, [
             traces::{
                 contract_bytes_come_back_as_they_were_put,
-                contract_deleted_bytes_are_gone,
+                contract_bytes_that_are_deleted_or_set_aside_are_gone,
                 contract_ids_are_listed_by_their_end,
             },
         ]);

@@ -1,20 +1,17 @@
 //! Uploading a trace.
 
+use std::ops::RangeInclusive;
+
 use jiff::Timestamp;
 use utoipa::IntoParams;
 
-use crate::estimation::Settings;
+use crate::estimation::{GENERATIONS, POPULATION, Settings};
 use crate::formats::{self, Format, FormatError, ReadOptions};
 use crate::http::error::{ApiError, ApiResult};
 use crate::http::extract::query::{Fields, FromQuery};
 use crate::http::limits::USAGE_MAX;
 use crate::http::problem::FieldError;
 use crate::store::records::{self, Id, TraceRecord};
-
-/// The fewest and the most candidates in a generation.
-const POPULATION: (u32, u32) = (4, 1000);
-/// The most generations.
-const GENERATIONS_MAX: u32 = 1000;
 
 /// What is known of an uploaded trace, and how to estimate from it.
 #[derive(Debug, IntoParams)]
@@ -48,8 +45,8 @@ impl FromQuery for UploadQuery {
         fields.require("recorded_at", recorded_at.is_some());
         fields.require("usage", usage.is_some());
         let seed = fields.parse("seed", format!("an integer, 0 to {}", u64::MAX));
-        let population = fields.integer("population", POPULATION.0..=POPULATION.1);
-        let generations = fields.integer("generations", 0..=GENERATIONS_MAX);
+        let population = fields.integer("population", numbers(&POPULATION));
+        let generations = fields.integer("generations", numbers(&GENERATIONS));
         let columns = fields.text("columns");
         for error in columns.iter().filter_map(|map| ReadOptions::parse_columns(map).err()).flatten() {
             fields.malformed("columns", error.detail);
@@ -113,4 +110,9 @@ fn bad_trace(errors: Vec<FormatError>) -> ApiError {
         _ => place,
     };
     ApiError::BadTrace(errors.into_iter().map(|error| FieldError::new(place(error.place), error.detail)).collect())
+}
+
+/// A range of the estimation's settings, as a query's numbers.
+fn numbers(range: &RangeInclusive<usize>) -> RangeInclusive<u32> {
+    *range.start() as u32..=*range.end() as u32
 }

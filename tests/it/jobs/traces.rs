@@ -53,6 +53,10 @@ impl Traces for Failing {
         self.traces.ids_ending_in(end).await
     }
 
+    async fn set_aside(&self, id: Id) -> Result<(), StoreError> {
+        self.traces.set_aside(id).await
+    }
+
     async fn delete(&self, id: Id) -> Result<(), StoreError> {
         self.traces.delete(id).await
     }
@@ -139,6 +143,10 @@ impl Traces for Witness {
         self.traces.ids_ending_in(end).await
     }
 
+    async fn set_aside(&self, id: Id) -> Result<(), StoreError> {
+        self.traces.set_aside(id).await
+    }
+
     async fn delete(&self, id: Id) -> Result<(), StoreError> {
         self.traces.delete(id).await
     }
@@ -164,20 +172,18 @@ async fn a_trace_is_durable_before_its_record_is_there() {
 }
 
 #[tokio::test]
-async fn bytes_that_a_killed_process_left_without_a_record_are_deleted_at_the_next_start() {
-    let dir = tempfile::tempdir().unwrap();
+async fn bytes_that_a_killed_process_left_without_a_record_are_set_aside_at_the_next_start() {
+    let (dir, unrecorded) = (tempfile::tempdir().unwrap(), Id::now());
     let kept = {
         let bench = Bench::open(dir.path(), driven(), Models).await;
         let (kept, _) = bench.upload(registered(&*bench.records, "A").await.id, 10, csv()).await;
-        for _ in 0..3 {
-            bench.traces.put(Id::now(), csv()).await.unwrap();
-        }
+        bench.traces.put(unrecorded, csv()).await.unwrap();
         kept.id
     };
-    assert_eq!(files(dir.path()), 4);
     let bench = Bench::open(dir.path(), driven(), Models).await;
     bench.jobs.start().await.unwrap();
-    assert_eq!(files(dir.path()), 1);
+    assert_eq!(bench.traces.get(unrecorded).await.unwrap(), None);
+    assert!(dir.path().join("traces/unrecorded").join(unrecorded.to_string()).exists());
     assert!(bench.traces.get(kept).await.unwrap().is_some());
 }
 

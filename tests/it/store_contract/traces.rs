@@ -14,14 +14,18 @@ pub async fn contract_bytes_come_back_as_they_were_put(traces: Arc<dyn Traces>) 
     assert_eq!(traces.get(Id::now()).await.unwrap(), None);
 }
 
-pub async fn contract_deleted_bytes_are_gone(traces: Arc<dyn Traces>) {
-    let (gone, kept) = (Id::now(), Id::now());
-    for id in [gone, kept] {
+pub async fn contract_bytes_that_are_deleted_or_set_aside_are_gone(traces: Arc<dyn Traces>) {
+    let (gone, aside, kept) = (Id::now(), Id::now(), Id::now());
+    for id in [gone, aside, kept] {
         traces.put(id, vec![1, 2, 3]).await.unwrap();
     }
     for _ in 0..2 {
         traces.delete(gone).await.unwrap();
         assert_eq!(traces.get(gone).await.unwrap(), None);
+    }
+    for _ in 0..2 {
+        traces.set_aside(aside).await.unwrap();
+        assert_eq!(traces.get(aside).await.unwrap(), None);
     }
     assert_eq!(traces.get(kept).await.unwrap(), Some(vec![1, 2, 3]));
 }
