@@ -49,10 +49,14 @@ function modelOf(fault, { record, history, life, maintenance }, lifeStart) {
   };
 }
 
-/** The faults in the order in which their thresholds are likely to be passed: the limiting one first. */
+/**
+ * The faults in the order in which their thresholds are likely to be passed: the limiting one first. As in the fleet's
+ * order, risks are compared in whole percents.
+ */
 function byUrgency(life) {
+  const percent = (risk) => Math.round(100 * (risk?.probability ?? 0));
   const rank = ({ forecast, risk }) => (forecast
-    ? [forecast.reached ? 0 : 1, -(risk?.probability ?? 0), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity]
+    ? [forecast.reached ? 0 : 1, -percent(risk), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity]
     : [2]);
   return Object.values(FAULTS).toSorted((a, b) => {
     const [left, right] = [a, b].map((fault) => rank(life.faults[fault.value]));
