@@ -1,11 +1,11 @@
 //! Parameter sets: the numbers that make the models one actuator type's models.
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::blocks::{Shared, controller, jack, torque_motor};
 use super::checks::{Checks, ParamsError};
 use super::{monitoring, reference};
+use crate::numeric::digest::sha256_hex;
 
 /// The built-in set's text.
 const REFERENCE: &str = include_str!("../../config/actuators/reference.toml");
@@ -56,7 +56,7 @@ impl ParameterSet {
             return Err(errors);
         }
         let canonical = serde_json::to_vec(&values).expect("plain numbers and a name serialise");
-        let hash = Sha256::digest(canonical).iter().map(|byte| format!("{byte:02x}")).collect();
+        let hash = sha256_hex(&canonical);
         Ok(Self { values, hash })
     }
 

@@ -1,5 +1,6 @@
-//! Numbers that know nothing of valves: lanes, seeded random streams, statistics, and the watch over long work.
+//! Numbers that know nothing of valves: lanes, digests, seeded random streams, statistics, and the watch over long work.
 
+pub mod digest;
 pub mod lane;
 pub mod rng;
 pub mod statistics;

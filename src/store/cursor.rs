@@ -1,7 +1,7 @@
 //! Cursors: the place in a list where the next page starts, as an opaque word that is safe in a URL.
 
-use super::records::sha256_hex;
 use super::{Page, Paged, StoreError};
+use crate::numeric::digest::sha256_hex;
 
 /// Characters of a list's tag.
 const TAG_CHARS: usize = 8;

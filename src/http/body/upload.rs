@@ -11,6 +11,7 @@ use crate::http::error::{ApiError, ApiResult};
 use crate::http::extract::query::{Fields, FromQuery};
 use crate::http::limits::USAGE_MAX;
 use crate::http::problem::FieldError;
+use crate::numeric::digest;
 use crate::store::records::{self, Id, TraceRecord};
 
 /// What is known of an uploaded trace, and how to estimate from it.
@@ -89,7 +90,7 @@ impl UploadQuery {
             columns: self.columns.clone().unwrap_or_default(),
             sample_rate_hz: self.sample_rate_hz,
             size_bytes: bytes.len() as u64,
-            sha256: records::sha256_hex(bytes),
+            sha256: digest::sha256_hex(bytes),
             samples: trace.samples() as u64,
             duration_s: trace.duration_s(),
             created_at: records::now(),

@@ -15,8 +15,9 @@ use crate::formats::{self, Format, FormatError, ReadOptions};
 use crate::models::drive::DriveError;
 use crate::models::simulate::SimulationError;
 use crate::models::trace::Trace;
+use crate::numeric::digest::sha256_hex;
 use crate::numeric::watch::Watch;
-use crate::store::records::{Actuator, Id, Job, Outcome, TraceRecord, sha256_hex};
+use crate::store::records::{Actuator, Id, Job, Outcome, TraceRecord};
 use crate::store::{LifeHistory, Records, StoreError, Traces};
 use predict::RemainingLife;
 

@@ -8,6 +8,7 @@ use crate::formats::{self, Format};
 use crate::jobs::text::causes;
 use crate::models::parameters::ParameterSet;
 use crate::models::simulate::{Simulation, simulate};
+use crate::numeric::digest;
 use crate::numeric::watch::Watch;
 use crate::store::records::{self, Id, Outcome, TraceRecord};
 use crate::store::{StoreError, Traces};
@@ -31,7 +32,7 @@ pub struct SimulationResult {
 pub(super) fn compute(recipe: &Simulation, watch: &dyn Watch) -> Result<Written, RunError> {
     let trace = simulate(recipe, &ParameterSet::reference(), watch)?;
     let bytes = formats::write(Format::Csv, &trace);
-    let sha256 = records::sha256_hex(&bytes);
+    let sha256 = digest::sha256_hex(&bytes);
     Ok(Written { bytes, sha256, samples: trace.samples() as u64, duration_s: trace.duration_s() })
 }
 

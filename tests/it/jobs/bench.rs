@@ -15,9 +15,10 @@ use elevon::models::drive::Drive;
 use elevon::models::fault::Faults;
 use elevon::models::parameters::ParameterSet;
 use elevon::models::simulate::{ModelKind, Simulation, simulate};
+use elevon::numeric::digest::sha256_hex;
 use elevon::numeric::watch::{Unwatched, Watch};
 use elevon::store::local::LocalTraces;
-use elevon::store::records::{Id, Job, TraceRecord, sha256_hex};
+use elevon::store::records::{Id, Job, TraceRecord};
 use elevon::store::sqlite::SqliteRecords;
 use elevon::store::{Records, Traces};
 
