@@ -13,7 +13,7 @@ pub mod large_step;
 use serde::{Deserialize, Serialize};
 
 use super::blocks::friction::{Levels, karnopp};
-use super::blocks::{Shared, controller, end_stop, jack, torque_motor};
+use super::blocks::{Input, Shared, controller, end_stop, jack, torque_motor};
 use super::checks::Checks;
 use crate::numeric::lane::Lane;
 
@@ -158,13 +158,13 @@ impl Model {
 
     /// One semi-implicit time step, in signal order.
     #[inline(always)]
-    pub fn step<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, position_command_m: f64, time_step_s: f64) -> State<L> {
-        let (current_a, force_n) = self.drive_motor(c, s, position_command_m);
+    pub fn step<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, input: &Input, time_step_s: f64) -> State<L> {
+        let (current_a, force_n) = self.drive_motor(c, s, input.position_command_m);
         let (flapper_m, flapper_m_per_s) = first_stage::step(&self.first_stage, s, force_n, time_step_s);
         let spool_m = s.spool_position_m + flapper_m * self.second_stage.spool_speed_gain_per_s * time_step_s;
         let spool_m = spool_m.clip(spool_m.same(self.second_stage.spool_position_max_m));
         let load_pa = self.fluid.step(s, spool_m, s.jack_velocity_m_per_s * self.jack.area_m2, time_step_s);
-        let (jack_m, jack_m_per_s) = self.move_jack(c, s, load_pa, time_step_s);
+        let (jack_m, jack_m_per_s) = self.move_jack(c, s, load_pa, input.external_load_n, time_step_s);
         State {
             servovalve_current_a: current_a,
             flapper_position_m: flapper_m,
@@ -186,9 +186,18 @@ impl Model {
 
     /// The jack's position and velocity after a step under Karnopp's friction.
     #[inline(always)]
-    fn move_jack<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, load_pa: L, time_step_s: f64) -> (L, L) {
+    fn move_jack<L: Lane>(
+        &self,
+        c: &Candidate<L>,
+        s: &State<L>,
+        load_pa: L,
+        external_load_n: f64,
+        time_step_s: f64,
+    ) -> (L, L) {
         let velocity = s.jack_velocity_m_per_s;
-        let active_n = self.jack.driving_force_n(load_pa, s.jack_position_m) - velocity * self.jack.damping_n_s_per_m;
+        let active_n = self.jack.driving_force_n(load_pa, s.jack_position_m)
+            - external_load_n
+            - velocity * self.jack.damping_n_s_per_m;
         let friction_n = karnopp(&c.friction, velocity, active_n, self.dead_band_m_per_s);
         let moved = velocity + (active_n - friction_n) / self.jack.mass_kg * time_step_s;
         let moved = self.hold(c, velocity, active_n, moved);

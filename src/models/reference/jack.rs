@@ -43,9 +43,11 @@ impl Block {
     /// One step under the load pressure.
     #[inline]
     #[must_use]
-    pub fn step(&self, s: &State, load_pressure_pa: f64, time_step_s: f64) -> State {
+    pub fn step(&self, s: &State, load_pressure_pa: f64, external_load_n: f64, time_step_s: f64) -> State {
         let p = &self.params;
-        let active_n = p.driving_force_n(load_pressure_pa, s.position_m) - p.damping_n_s_per_m * s.velocity_m_per_s;
+        let active_n = p.driving_force_n(load_pressure_pa, s.position_m)
+            - external_load_n
+            - p.damping_n_s_per_m * s.velocity_m_per_s;
         let friction_n = borello(&self.friction, s.velocity_m_per_s, active_n);
         let moved = s.velocity_m_per_s + (active_n - friction_n) / p.mass_kg * time_step_s;
         let velocity = arrest(s.velocity_m_per_s, moved);

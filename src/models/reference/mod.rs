@@ -13,7 +13,7 @@ pub mod second_stage;
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Shared, controller, torque_motor};
+use super::blocks::{Input, Shared, controller, torque_motor};
 use super::checks::Checks;
 use super::fault::Faults;
 
@@ -118,17 +118,24 @@ impl Model {
     /// One time step, in signal order.
     #[inline]
     #[must_use]
-    pub fn step(&self, s: &State, position_command_m: f64, interference_a: f64) -> State {
+    pub fn step(&self, s: &State, input: &Input) -> State {
         let dt = self.time_step_s;
-        let asked_a = controller::step(&self.controller, position_command_m, s.jack.position_m);
-        let current_a = torque_motor::current(&self.torque_motor, asked_a, interference_a);
+        let asked_a = controller::step(&self.controller, input.position_command_m, s.jack.position_m);
+        let current_a = torque_motor::current(&self.torque_motor, asked_a, input.interference_a);
         let force_n = torque_motor::force(&self.torque_motor, current_a, self.demagnetisation);
         let first_stage = self.first_stage.step(&s.first_stage, force_n, s.second_stage.position_m, dt);
-        let second_stage = self.second_stage.step(&s.second_stage, first_stage.position_m, s.jack_flow_m3_per_s, dt);
-        let flows = self.passages.step(second_stage.position_m, s.pipe.port_1_pa, s.pipe.port_2_pa);
+        let second_stage = self.second_stage.step(
+            &s.second_stage,
+            first_stage.position_m,
+            s.jack_flow_m3_per_s,
+            input.supply_factor,
+            dt,
+        );
+        let supply_pa = self.passages.supply_pa(input.supply_factor);
+        let flows = self.passages.step(second_stage.position_m, supply_pa, s.pipe.port_1_pa, s.pipe.port_2_pa);
         let jack_flow = self.jack.flow_m3_per_s(&s.jack);
         let pipe = self.pipe.step(&s.pipe, &flows, jack_flow, dt);
-        let jack = self.jack.step(&s.jack, pipe.load_pressure_pa(), dt);
+        let jack = self.jack.step(&s.jack, pipe.load_pressure_pa(), input.external_load_n, dt);
         State { first_stage, second_stage, pipe, jack, servovalve_current_a: current_a, jack_flow_m3_per_s: jack_flow }
     }
 }

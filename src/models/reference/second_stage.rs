@@ -31,6 +31,8 @@ pub struct Params {
     /// Flow force per flow, N s/m³.
     #[doc(alias = "Kflow")]
     pub flow_force_n_s_per_m3: f64,
+    /// Displacement of the flapper at which the nozzles balance, with the opposite sign, m.
+    pub hydraulic_offset_m: f64,
     /// Static friction, N.
     pub friction_static_n: f64,
     /// Dynamic friction, N.
@@ -54,6 +56,7 @@ impl Params {
         checks.within("reference.second_stage.damping_n_s_per_m", self.damping_n_s_per_m, 0.0, 1e5, "N s/m");
         let flow_force = self.flow_force_n_s_per_m3;
         checks.within("reference.second_stage.flow_force_n_s_per_m3", flow_force, 0.0, 1e9, "N s/m3");
+        checks.within("reference.second_stage.hydraulic_offset_m", self.hydraulic_offset_m, -1e-3, 1e-3, "m");
         checks.within("reference.second_stage.friction_static_n", self.friction_static_n, 0.0, 1e3, "N");
         let dynamic_max_n = self.friction_static_n;
         checks.within("reference.second_stage.friction_dynamic_n", self.friction_dynamic_n, 0.0, dynamic_max_n, "N");
@@ -74,55 +77,82 @@ pub struct State {
     pub velocity_m_per_s: f64,
 }
 
+/// What the nozzles and the supply make of the spool.
+#[derive(Debug, Clone, Copy)]
+struct Gains {
+    /// Active force per metre of flapper, N/m: ASV GPF.
+    force_n_per_m: f64,
+    /// CS + ASV² GPF/GQF, N s/m.
+    resistance_n_s_per_m: f64,
+}
+
+impl Gains {
+    /// The gains at a supply differential over the nominal one, PSR/PSR0.
+    fn at(p: &Params, supply_ratio: f64) -> Self {
+        let open = (1.0 - p.filter_clogging) * supply_ratio;
+        // GPF/GQF in this form stays finite when the filter is closed.
+        let ratio_pa_s_per_m3 = p.pressure_gain_pa_per_m / p.flow_gain_m2_per_s * open.sqrt();
+        Self {
+            force_n_per_m: p.end_area_m2 * (p.pressure_gain_pa_per_m * open),
+            resistance_n_s_per_m: p.damping_n_s_per_m + p.end_area_m2 * p.end_area_m2 * ratio_pa_s_per_m3,
+        }
+    }
+}
+
 /// The spool with what can be worked out before a run.
 #[derive(Debug, Clone, Copy)]
 pub struct Block {
-    /// Active force per metre of flapper, N/m: ASV GPF.
-    force_gain_n_per_m: f64,
-    flow_force_n_s_per_m3: f64,
-    /// CS + ASV² GPF/GQF, N s/m.
-    resistance_n_s_per_m: f64,
+    params: Params,
+    supply_ratio: f64,
+    nominal: Gains,
     friction: Levels<f64>,
-    position_max_m: f64,
 }
 
 impl Block {
     /// Prepares the block for a supply differential.
     #[must_use]
     pub fn new(p: &Params, supply_differential_pa: f64) -> Self {
-        let open = (1.0 - p.filter_clogging) * supply_differential_pa / p.nominal_pressure_differential_pa;
-        let pressure_gain_pa_per_m = p.pressure_gain_pa_per_m * open;
-        // GPF/GQF in this form stays finite when the filter is closed.
-        let ratio_pa_s_per_m3 = p.pressure_gain_pa_per_m / p.flow_gain_m2_per_s * open.sqrt();
+        let supply_ratio = supply_differential_pa / p.nominal_pressure_differential_pa;
         Self {
-            force_gain_n_per_m: p.end_area_m2 * pressure_gain_pa_per_m,
-            flow_force_n_s_per_m3: p.flow_force_n_s_per_m3,
-            resistance_n_s_per_m: p.damping_n_s_per_m + p.end_area_m2 * p.end_area_m2 * ratio_pa_s_per_m3,
+            params: *p,
+            supply_ratio,
+            nominal: Gains::at(p, supply_ratio),
             friction: Levels { static_n: p.friction_static_n, dynamic_n: p.friction_dynamic_n },
-            position_max_m: p.spool_position_max_m,
         }
     }
 
-    /// One step with the flapper where it is and the jack's flow of the step before.
+    /// One step with the flapper where it is, the jack's flow of the step before, and the supply differential as a part
+    /// of the one that the block was prepared for.
     #[inline]
     #[must_use]
-    pub fn step(&self, s: &State, flapper_position_m: f64, jack_flow_m3_per_s: f64, time_step_s: f64) -> State {
-        let active_n = self.force_gain_n_per_m * flapper_position_m - self.flow_force_n_s_per_m3 * jack_flow_m3_per_s;
-        let velocity = self.velocity(s.velocity_m_per_s, active_n);
+    pub fn step(
+        &self,
+        s: &State,
+        flapper_position_m: f64,
+        jack_flow_m3_per_s: f64,
+        supply_factor: f64,
+        time_step_s: f64,
+    ) -> State {
+        let p = &self.params;
+        let gains =
+            if supply_factor == 1.0 { self.nominal } else { Gains::at(p, self.supply_ratio * supply_factor.max(0.0)) };
+        let flapper_m = flapper_position_m + p.hydraulic_offset_m;
+        let active_n = gains.force_n_per_m * flapper_m - p.flow_force_n_s_per_m3 * jack_flow_m3_per_s;
+        let velocity = self.velocity(s.velocity_m_per_s, active_n, gains.resistance_n_s_per_m);
         let (position_m, velocity_m_per_s) =
-            end_stop::step(self.position_max_m, s.position_m + velocity * time_step_s, velocity);
+            end_stop::step(p.spool_position_max_m, s.position_m + velocity * time_step_s, velocity);
         State { position_m, velocity_m_per_s }
     }
 
     /// Borello's friction on a body without mass: the velocity follows the force at once.
-    fn velocity(&self, previous: f64, active_n: f64) -> f64 {
+    fn velocity(&self, previous: f64, active_n: f64, resistance_n_s_per_m: f64) -> f64 {
         if previous != 0.0 {
             let net_n = active_n - previous.sign_times(self.friction.dynamic_n);
-            arrest(previous, net_n / self.resistance_n_s_per_m)
+            arrest(previous, net_n / resistance_n_s_per_m)
         } else if active_n.abs() <= self.friction.static_n {
             0.0
         } else {
-            (active_n - active_n.sign_times(self.friction.dynamic_n)) / self.resistance_n_s_per_m
+            (active_n - active_n.sign_times(self.friction.dynamic_n)) / resistance_n_s_per_m
         }
     }
 }
@@ -141,7 +171,7 @@ mod tests {
     fn settled_velocity(block: &Block, flapper_position_m: f64) -> f64 {
         let mut s = State::default();
         for _ in 0..10 {
-            s = block.step(&s, flapper_position_m, 0.0, 1e-6);
+            s = block.step(&s, flapper_position_m, 0.0, 1.0, 1e-6);
         }
         s.velocity_m_per_s
     }

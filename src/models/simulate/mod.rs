@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use utoipa::ToSchema;
 
+use super::blocks::Input;
 use super::drive::Drive;
 use super::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
 use super::parameters::ParameterSet;
@@ -153,7 +154,8 @@ fn run<P: Plant>(plant: &P, recipe: &Simulation, watch: &dyn Watch) -> Result<Tr
             } else {
                 0.0
             };
-            state = plant.step(&state, recipe.command.position_m(time_s), interference_a);
+            let command = Input::command(recipe.command.position_m(time_s));
+            state = plant.step(&state, &Input { interference_a, ..command });
             step += 1;
             if step.is_multiple_of(STEPS_PER_LOOK) {
                 watch.progress(recorder.fraction());

@@ -1,5 +1,6 @@
 //! What the time loop needs of a model.
 
+use crate::models::blocks::Input;
 use crate::models::{monitoring, reference};
 
 /// The time step of the monitoring model in a simulation, s: the reference model's.
@@ -17,7 +18,7 @@ pub(super) trait Plant {
 
     fn time_step_s(&self) -> f64;
     fn start(&self) -> Self::State;
-    fn step(&self, state: &Self::State, position_command_m: f64, interference_a: f64) -> Self::State;
+    fn step(&self, state: &Self::State, input: &Input) -> Self::State;
     fn sample(state: &Self::State) -> Sample;
 }
 
@@ -34,8 +35,8 @@ impl Plant for reference::Model {
         self.start()
     }
 
-    fn step(&self, state: &Self::State, position_command_m: f64, interference_a: f64) -> Self::State {
-        self.step(state, position_command_m, interference_a)
+    fn step(&self, state: &Self::State, input: &Input) -> Self::State {
+        self.step(state, input)
     }
 
     fn sample(s: &Self::State) -> Sample {
@@ -71,8 +72,8 @@ impl Plant for MonitoringPlant {
         monitoring::State::start((), 0.0)
     }
 
-    fn step(&self, state: &Self::State, position_command_m: f64, _interference_a: f64) -> Self::State {
-        self.model.step(&self.candidate, state, position_command_m, MONITORING_TIME_STEP_S)
+    fn step(&self, state: &Self::State, input: &Input) -> Self::State {
+        self.model.step(&self.candidate, state, input, MONITORING_TIME_STEP_S)
     }
 
     fn sample(s: &Self::State) -> Sample {
