@@ -30,7 +30,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     fdj_n: Option<f64>,
     /// A fault by its name, each once: kgm (0 to 1), fdj (N), clearance (extra radial clearance of the sleeve, 0 to 1e-4 m)
-    /// or clogging (0 to 1); the monitoring model has the first two
+    /// clogging (0 to 1), feedback_backlash or jack_backlash (m), current_offset or hysteresis (A); the monitoring model has the first two
     #[arg(long = "fault", value_name = "NAME=VALUE", value_parser = parse_fault)]
     faults: Vec<(Fault, f64)>,
     /// Power of the white noise on the reference model's current, mA² s, 0 to 1; 5e-6 in the thesis
@@ -63,6 +63,10 @@ enum Fault {
     Fdj,
     Clearance,
     Clogging,
+    FeedbackBacklash,
+    JackBacklash,
+    CurrentOffset,
+    Hysteresis,
 }
 
 fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
@@ -72,7 +76,15 @@ fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
         "fdj" => Fault::Fdj,
         "clearance" => Fault::Clearance,
         "clogging" => Fault::Clogging,
-        _ => return Err(format!("found the fault {name:?}, expected kgm, fdj, clearance or clogging")),
+        "feedback_backlash" => Fault::FeedbackBacklash,
+        "jack_backlash" => Fault::JackBacklash,
+        "current_offset" => Fault::CurrentOffset,
+        "hysteresis" => Fault::Hysteresis,
+        _ => {
+            let expected =
+                "kgm, fdj, clearance, clogging, feedback_backlash, jack_backlash, current_offset or hysteresis";
+            return Err(format!("found the fault {name:?}, expected {expected}"));
+        }
     };
     let value = value.parse().map_err(|_| format!("{name}: found {value:?}, expected a number"))?;
     Ok((fault, value))
@@ -104,6 +116,10 @@ fn recipe(args: &SimulateArgs) -> Result<Simulation, Failure> {
             Fault::Fdj => faults.fdj_n = value,
             Fault::Clearance => faults.clearance_m = value,
             Fault::Clogging => faults.clogging = value,
+            Fault::FeedbackBacklash => faults.feedback_backlash_m = value,
+            Fault::JackBacklash => faults.jack_backlash_m = value,
+            Fault::CurrentOffset => faults.current_offset_a = value,
+            Fault::Hysteresis => faults.hysteresis_a = value,
         }
     }
     Ok(Simulation {

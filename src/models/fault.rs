@@ -26,10 +26,31 @@ pub struct Faults {
     /// Filter clogging (Kintas), 0 (clean) to 1 (closed); section 4.1.2. Reference model only.
     #[schema(minimum = 0, maximum = 1)]
     pub clogging: f64,
+    /// Play between the feedback spring and the spool (Kgioco), m, 0 to 1e-4; section 4.1.2. Reference model only.
+    #[schema(minimum = 0, maximum = 0.0001)]
+    pub feedback_backlash_m: f64,
+    /// Play between jack and surface, m, 0 to 0.01; section 4.1.4. Reference model only.
+    #[schema(minimum = 0, maximum = 0.01)]
+    pub jack_backlash_m: f64,
+    /// Offset of the torque motor's current, A, -0.02 to 0.02; section 4.1.1. Reference model only.
+    #[schema(minimum = -0.02, maximum = 0.02)]
+    pub current_offset_a: f64,
+    /// Hysteresis of the torque motor (His), A, 0 to 0.02; section 4.1.1. Reference model only.
+    #[schema(minimum = 0, maximum = 0.02)]
+    pub hysteresis_a: f64,
 }
 
 impl Default for Faults {
     fn default() -> Self {
-        Self { kgm: 0.0, fdj_n: FDJ_NOMINAL_N, clearance_m: 0.0, clogging: 0.0 }
+        Self {
+            kgm: 0.0,
+            fdj_n: FDJ_NOMINAL_N,
+            clearance_m: 0.0,
+            clogging: 0.0,
+            feedback_backlash_m: 0.0,
+            jack_backlash_m: 0.0,
+            current_offset_a: 0.0,
+            hysteresis_a: 0.0,
+        }
     }
 }

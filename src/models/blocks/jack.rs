@@ -3,7 +3,7 @@
 //! Source: section 4.1.4.
 //! Signs: a positive load pressure (port 1 above port 2) drives a positive velocity; loads are positive against it.
 //! Range: the end stops hold the position within ±XJM.
-//! Limits: no surface backlash, no quantised position.
+//! Limits: rigid piston rod and surface.
 
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +32,11 @@ pub struct Params {
     /// Static over dynamic friction, dimensionless; 2 in section 6.2.
     #[doc(alias = "FSJ")]
     pub friction_static_ratio: f64,
+    /// Play between jack and surface, where the position is measured, m. Reference model only.
+    #[doc(alias = "BLK")]
+    pub backlash_m: f64,
+    /// Step of the measured position, m; 0 for none. Reference model only.
+    pub position_quantum_m: f64,
     /// End stop, m.
     #[doc(alias = "XJM")]
     pub position_max_m: f64,
@@ -46,6 +51,8 @@ impl Params {
         checks.within("jack.aerodynamic_stiffness_n_per_m", stiffness, 0.0, 1e9, "N/m");
         checks.within("jack.external_load_n", self.external_load_n, -1e6, 1e6, "N");
         checks.within("jack.friction_static_ratio", self.friction_static_ratio, 1.0, 10.0, "");
+        checks.within("jack.backlash_m", self.backlash_m, 0.0, 0.1, "m");
+        checks.within("jack.position_quantum_m", self.position_quantum_m, 0.0, 0.01, "m");
         checks.within("jack.position_max_m", self.position_max_m, 1e-3, 10.0, "m");
     }
 

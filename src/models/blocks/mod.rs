@@ -1,9 +1,13 @@
 //! Blocks that both models are built from.
 
+pub mod backlash;
 pub mod controller;
+pub mod dead_zone;
 pub mod end_stop;
 pub mod friction;
+pub mod hysteresis;
 pub mod jack;
+pub mod quantizer;
 pub mod torque_motor;
 
 /// What acts on a model during one step.

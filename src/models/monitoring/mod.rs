@@ -179,7 +179,7 @@ impl Model {
     /// The current in the torque motor, A, and its force on the flapper, N.
     #[inline(always)]
     fn drive_motor<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, position_command_m: f64) -> (L, L) {
-        let asked_a = controller::step(&self.controller, position_command_m, s.jack_position_m);
+        let asked_a = controller::proportional(&self.controller, position_command_m, s.jack_position_m);
         let current_a = torque_motor::current(&self.torque_motor, asked_a, 0.0);
         (current_a, torque_motor::force(&self.torque_motor, current_a, c.demagnetisation))
     }

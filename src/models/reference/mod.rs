@@ -3,17 +3,19 @@
 //! Source: chapter 4, stepped semi-implicitly in the order of the block diagram (figure 4.1).
 //! Signs: docs/conventions.md.
 //! Range: time steps up to 2e-5 s; beyond, the stick-slip at high friction changes its mean.
-//! Limits: proportional control, fixed torque-motor gain, constant oil properties and supply.
+//! Limits: one oil temperature in a run; rigid structure.
 
 pub mod first_stage;
 pub mod jack;
+pub mod oil;
 pub mod passages;
 pub mod pipe;
 pub mod second_stage;
+pub mod torque_motor;
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Input, Shared, controller, torque_motor};
+use super::blocks::{Input, Shared, controller};
 use super::checks::Checks;
 use super::fault::Faults;
 
@@ -24,20 +26,29 @@ pub struct Params {
     /// Time step, s.
     #[doc(alias = "DT")]
     pub time_step_s: f64,
+    /// What disturbs the current, and how it becomes a force.
+    pub torque_motor: torque_motor::Params,
     /// The flapper.
     pub first_stage: first_stage::Params,
     /// The spool.
     pub second_stage: second_stage::Params,
-    /// Oil, passages and pipes.
+    /// Passages, pipes, and the oil's properties where they are constant.
     pub fluid: passages::Params,
+    /// The oil and its temperature.
+    pub oil: oil::Params,
+    /// How the jack sticks.
+    pub friction: jack::Friction,
 }
 
 impl Params {
     pub(crate) fn check(&self, checks: &mut Checks) {
         checks.within("reference.time_step_s", self.time_step_s, 1e-7, 2e-5, "s");
+        self.torque_motor.check(checks);
         self.first_stage.check(checks);
         self.second_stage.check(checks);
         self.fluid.check(checks);
+        self.oil.check(checks);
+        self.friction.check(checks);
     }
 }
 
@@ -46,8 +57,7 @@ impl Params {
 pub struct Model {
     time_step_s: f64,
     controller: controller::Params,
-    torque_motor: torque_motor::Params,
-    demagnetisation: f64,
+    torque_motor: torque_motor::Block,
     first_stage: first_stage::Block,
     second_stage: second_stage::Block,
     passages: passages::Block,
@@ -59,6 +69,10 @@ pub struct Model {
 /// Everything that survives a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State {
+    /// Controller.
+    pub controller: controller::State,
+    /// Torque motor.
+    pub torque_motor: torque_motor::State,
     /// Flapper.
     pub first_stage: first_stage::State,
     /// Spool.
@@ -67,8 +81,6 @@ pub struct State {
     pub pipe: pipe::State,
     /// Jack.
     pub jack: jack::State,
-    /// Current in the torque motor, A.
-    pub servovalve_current_a: f64,
     /// Flow into the jack as the spool felt it last, m³/s.
     pub jack_flow_m3_per_s: f64,
 }
@@ -79,19 +91,28 @@ impl Model {
     pub fn new(shared: &Shared, own: &Params, faults: &Faults) -> Self {
         let mut fluid = own.fluid;
         fluid.clearance_extra_m += faults.clearance_m;
+        let oil::Properties { density_kg_per_m3, kinematic_viscosity_m2_per_s } = own.oil.properties(fluid.oil());
+        (fluid.density_kg_per_m3, fluid.kinematic_viscosity_m2_per_s) =
+            (density_kg_per_m3, kinematic_viscosity_m2_per_s);
+        let mut torque_motor = own.torque_motor;
+        torque_motor.hysteresis_a += faults.hysteresis_a;
+        torque_motor.current_offset_a += faults.current_offset_a;
+        let mut first_stage = own.first_stage;
+        first_stage.feedback_backlash_m += faults.feedback_backlash_m;
+        let mut jack = shared.jack;
+        jack.backlash_m += faults.jack_backlash_m;
         let mut second_stage = own.second_stage;
         second_stage.filter_clogging = 1.0 - (1.0 - second_stage.filter_clogging) * (1.0 - faults.clogging);
         let supply_differential_pa = fluid.supply_pressure_pa - fluid.return_pressure_pa;
         Self {
             time_step_s: own.time_step_s,
             controller: shared.controller,
-            torque_motor: shared.torque_motor,
-            demagnetisation: faults.kgm,
-            first_stage: first_stage::Block::new(&own.first_stage),
+            torque_motor: torque_motor::Block::new(&shared.torque_motor, &torque_motor, faults.kgm),
+            first_stage: first_stage::Block::new(&first_stage),
             second_stage: second_stage::Block::new(&second_stage, supply_differential_pa),
             passages: passages::Block::new(&fluid),
             pipe: pipe::Block::new(&fluid),
-            jack: jack::Block::new(&shared.jack, faults.fdj_n),
+            jack: jack::Block::new(&jack, &own.friction, faults.fdj_n),
             start_pressure_pa: 0.5 * (fluid.supply_pressure_pa + fluid.return_pressure_pa),
         }
     }
@@ -106,11 +127,12 @@ impl Model {
     #[must_use]
     pub fn start(&self) -> State {
         State {
+            controller: controller::State::default(),
+            torque_motor: torque_motor::State::default(),
             first_stage: first_stage::State::default(),
             second_stage: second_stage::State::default(),
             pipe: pipe::State::at_rest(self.start_pressure_pa),
             jack: jack::State::default(),
-            servovalve_current_a: 0.0,
             jack_flow_m3_per_s: 0.0,
         }
     }
@@ -120,9 +142,11 @@ impl Model {
     #[must_use]
     pub fn step(&self, s: &State, input: &Input) -> State {
         let dt = self.time_step_s;
-        let asked_a = controller::step(&self.controller, input.position_command_m, s.jack.position_m);
-        let current_a = torque_motor::current(&self.torque_motor, asked_a, input.interference_a);
-        let force_n = torque_motor::force(&self.torque_motor, current_a, self.demagnetisation);
+        let error_m = input.position_command_m - s.jack.measured_m;
+        let current_max_a = self.torque_motor.current_max_a();
+        let (controller, asked_a) = controller::step(&self.controller, &s.controller, error_m, current_max_a, dt);
+        let (torque_motor, force_n) =
+            self.torque_motor.step(&s.torque_motor, asked_a, input.interference_a, s.first_stage.position_m);
         let first_stage = self.first_stage.step(&s.first_stage, force_n, s.second_stage.position_m, dt);
         let second_stage = self.second_stage.step(
             &s.second_stage,
@@ -136,6 +160,6 @@ impl Model {
         let jack_flow = self.jack.flow_m3_per_s(&s.jack);
         let pipe = self.pipe.step(&s.pipe, &flows, jack_flow, dt);
         let jack = self.jack.step(&s.jack, pipe.load_pressure_pa(), input.external_load_n, dt);
-        State { first_stage, second_stage, pipe, jack, servovalve_current_a: current_a, jack_flow_m3_per_s: jack_flow }
+        State { controller, torque_motor, first_stage, second_stage, pipe, jack, jack_flow_m3_per_s: jack_flow }
     }
 }

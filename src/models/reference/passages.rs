@@ -3,10 +3,11 @@
 //! Source: section 4.1.3, figures 4.10 to 4.13, with the corrections of docs/conventions.md.
 //! Signs: each flow is positive from supply to chamber or from chamber to return.
 //! Range: any pressures; a flow is zero where its pressure drop is.
-//! Limits: one density and viscosity, no temperature; the same geometry at all four edges.
+//! Limits: one temperature; the same geometry at all four edges.
 
 use serde::{Deserialize, Serialize};
 
+use super::oil::Properties;
 use crate::models::checks::Checks;
 
 /// Oil, passages and pipe capacities.
@@ -88,6 +89,16 @@ impl Params {
         checks.within("reference.fluid.leakage_m3_per_s_per_pa", leakage, 0.0, 1e-8, "m3/(s Pa)");
         let vapour_max_pa = self.return_pressure_pa.max(1.0);
         checks.within("reference.fluid.vapour_pressure_pa", self.vapour_pressure_pa, 0.0, vapour_max_pa, "Pa");
+    }
+}
+
+impl Params {
+    /// The oil's properties where they do not depend on the temperature.
+    pub(super) fn oil(&self) -> Properties {
+        Properties {
+            density_kg_per_m3: self.density_kg_per_m3,
+            kinematic_viscosity_m2_per_s: self.kinematic_viscosity_m2_per_s,
+        }
     }
 }
 

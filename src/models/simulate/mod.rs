@@ -89,17 +89,28 @@ impl Simulation {
                 errors.push(SimulationError::OutOfRange { name, found, expected });
             }
         };
-        let Faults { kgm, fdj_n, clearance_m, clogging } = self.faults;
+        let Faults { kgm, fdj_n, clearance_m, clogging, .. } = self.faults;
+        let Faults { feedback_backlash_m, jack_backlash_m, current_offset_a, hysteresis_a, .. } = self.faults;
         expect((0.0..=1.0).contains(&kgm), "faults.kgm", kgm, "0 to 1");
         expect((FDJ_NOMINAL_N..=FDJ_MAX_N).contains(&fdj_n), "faults.fdj_n", fdj_n, "200 to 2000 N");
         expect((0.0..=CLEARANCE_MAX_M).contains(&clearance_m), "faults.clearance_m", clearance_m, "0 to 1e-4 m");
         expect((0.0..=1.0).contains(&clogging), "faults.clogging", clogging, "0 to 1");
+        let feedback = (0.0..=1e-4).contains(&feedback_backlash_m);
+        expect(feedback, "faults.feedback_backlash_m", feedback_backlash_m, "0 to 1e-4 m");
+        expect((0.0..=0.01).contains(&jack_backlash_m), "faults.jack_backlash_m", jack_backlash_m, "0 to 0.01 m");
+        let offset = (-0.02..=0.02).contains(&current_offset_a);
+        expect(offset, "faults.current_offset_a", current_offset_a, "-0.02 to 0.02 A");
+        expect((0.0..=0.02).contains(&hysteresis_a), "faults.hysteresis_a", hysteresis_a, "0 to 0.02 A");
         let noise = self.noise_power_ma2_s;
         expect((0.0..=1.0).contains(&noise), "noise_power", noise, "0 to 1 mA2 s");
         if self.model == ModelKind::Monitoring {
             let expected = "0: the monitoring model does not have it";
             expect(clearance_m == 0.0, "faults.clearance_m", clearance_m, expected);
             expect(clogging == 0.0, "faults.clogging", clogging, expected);
+            expect(feedback_backlash_m == 0.0, "faults.feedback_backlash_m", feedback_backlash_m, expected);
+            expect(jack_backlash_m == 0.0, "faults.jack_backlash_m", jack_backlash_m, expected);
+            expect(current_offset_a == 0.0, "faults.current_offset_a", current_offset_a, expected);
+            expect(hysteresis_a == 0.0, "faults.hysteresis_a", hysteresis_a, expected);
             expect(noise == 0.0, "noise_power", noise, expected);
         }
         let (duration_s, rate_hz) = (self.duration_s, self.sample_rate_hz);
@@ -226,7 +237,7 @@ mod tests {
     #[test]
     fn every_field_out_of_its_range_is_named() {
         let mut bad = recipe(ModelKind::Monitoring);
-        bad.faults = Faults { kgm: 1.5, fdj_n: 100.0, clearance_m: 1e-5, clogging: f64::NAN };
+        bad.faults = Faults { kgm: 1.5, fdj_n: 100.0, clearance_m: 1e-5, clogging: f64::NAN, ..Faults::default() };
         bad.noise_power_ma2_s = 5e-6;
         bad.duration_s = -1.0;
         bad.sample_rate_hz = 0.0;

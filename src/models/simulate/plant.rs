@@ -41,9 +41,9 @@ impl Plant for reference::Model {
 
     fn sample(s: &Self::State) -> Sample {
         [
-            s.servovalve_current_a,
+            s.torque_motor.current_a,
             s.pipe.load_pressure_pa(),
-            s.jack.position_m,
+            s.jack.measured_m,
             s.jack.velocity_m_per_s,
             s.second_stage.position_m,
             s.first_stage.position_m,
