@@ -1,43 +1,147 @@
-//! Validation of parameters: every value out of its range is collected before anyone is told.
+//! Validation of parameters: everything that is wrong with a set is collected before anyone is told.
+
+use std::fmt;
 
 use thiserror::Error;
+
+/// The range of a parameter, and its unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// The parameter, with its section.
+    pub name: &'static str,
+    /// The least allowed.
+    pub min: f64,
+    /// The most allowed.
+    pub max: f64,
+    /// Its unit; empty when it has none.
+    pub unit: &'static str,
+}
+
+impl fmt::Display for Limits {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let space = if self.unit.is_empty() { "" } else { " " };
+        write!(f, "{} to {}{space}{}", Short(self.min), Short(self.max), self.unit)
+    }
+}
+
+/// A number as a person writes it: with an exponent when it is very small or large.
+#[derive(Debug, Clone, Copy)]
+pub struct Short(pub f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(value) = *self;
+        if value == 0.0 || !value.is_finite() || (1e-3..1e5).contains(&value.abs()) {
+            write!(f, "{value}")
+        } else {
+            write!(f, "{value:e}")
+        }
+    }
+}
 
 /// What is wrong with a parameter set.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum ParamsError {
-    /// A value is out of its range, or not finite.
-    #[error("{name}: found {value}, expected {min} to {max} {unit}")]
-    OutOfRange {
+    /// The text is no TOML.
+    #[error("line {line}, column {column}: {reason}")]
+    Syntax {
+        /// The line, from 1.
+        line: usize,
+        /// The character in it, from 1.
+        column: usize,
+        /// What was found or expected there.
+        reason: String,
+    },
+    /// A parameter that does not exist.
+    #[error("{}: found an unknown parameter, expected {expected}", name_of(section, key))]
+    Unknown {
+        /// Its section; empty at the top.
+        section: String,
+        /// Its name there.
+        key: String,
+        /// What there is in this section.
+        expected: String,
+    },
+    /// A parameter that is not there.
+    #[error("{name}: missing, expected {expected}")]
+    Missing {
         /// The parameter, with its section.
-        name: &'static str,
+        name: String,
+        /// Its range and unit.
+        expected: String,
+    },
+    /// A value of the wrong type, or a text that means nothing here.
+    #[error("{name}: found {found}, expected {expected}")]
+    Unreadable {
+        /// The parameter, with its section.
+        name: String,
+        /// What was found.
+        found: String,
+        /// Its range and unit, or the texts that it knows.
+        expected: String,
+    },
+    /// A value is out of its range, or not finite.
+    #[error("{}: found {}, expected {limits}", limits.name, Short(*value))]
+    OutOfRange {
         /// Its value.
         value: f64,
-        /// The least allowed.
-        min: f64,
-        /// The most allowed.
-        max: f64,
-        /// Its unit.
-        unit: &'static str,
+        /// The range.
+        limits: Limits,
     },
-    /// The text is not a parameter set.
-    #[error("{0}")]
-    Syntax(#[from] toml::de::Error),
 }
 
-/// Collects every value that is out of its range.
-#[derive(Debug, Default)]
-pub(crate) struct Checks(Vec<ParamsError>);
+fn name_of(section: &str, key: &str) -> String {
+    if section.is_empty() { key.to_owned() } else { format!("{section}.{key}") }
+}
 
-impl Checks {
-    /// Notes a value that is not finite or not in `min..=max`.
-    pub(crate) fn within(&mut self, name: &'static str, value: f64, min: f64, max: f64, unit: &'static str) {
-        if !(min..=max).contains(&value) {
-            self.0.push(ParamsError::OutOfRange { name, value, min, max, unit });
+impl ParamsError {
+    /// The parameter at fault as a JSON pointer (RFC 6901) from the set's root.
+    #[must_use]
+    pub fn pointer(&self) -> String {
+        let path = |name: &str| if name.is_empty() { String::new() } else { format!("/{}", name.replace('.', "/")) };
+        match self {
+            Self::Syntax { .. } => String::new(),
+            Self::Unknown { section, key, .. } => {
+                format!("{}/{}", path(section), key.replace('~', "~0").replace('/', "~1"))
+            }
+            Self::Missing { name, .. } | Self::Unreadable { name, .. } => path(name),
+            Self::OutOfRange { limits, .. } => path(limits.name),
         }
     }
 
-    /// What was noted, in order.
-    pub(crate) fn into_errors(self) -> Vec<ParamsError> {
-        self.0
+    /// What was found and what was expected, without the parameter's name.
+    #[must_use]
+    pub fn detail(&self) -> String {
+        let text = self.to_string();
+        let name = match self {
+            Self::Syntax { .. } => String::new(),
+            Self::Unknown { section, key, .. } => name_of(section, key),
+            Self::Missing { name, .. } | Self::Unreadable { name, .. } => name.clone(),
+            Self::OutOfRange { limits, .. } => limits.name.to_owned(),
+        };
+        text.strip_prefix(&name).map_or(text.as_str(), |rest| rest.trim_start_matches(": ")).to_owned()
+    }
+}
+
+/// Collects every range that is asked for, and every value that is out of its own.
+#[derive(Debug, Default)]
+pub(crate) struct Checks {
+    errors: Vec<ParamsError>,
+    limits: Vec<Limits>,
+}
+
+impl Checks {
+    /// Notes a range, and a value that is not finite or not in `min..=max`.
+    pub(crate) fn within(&mut self, name: &'static str, value: f64, min: f64, max: f64, unit: &'static str) {
+        let limits = Limits { name, min, max, unit };
+        self.limits.push(limits);
+        if !(min..=max).contains(&value) {
+            self.errors.push(ParamsError::OutOfRange { value, limits });
+        }
+    }
+
+    /// The errors and the ranges, in the order of the checks.
+    pub(crate) fn into_parts(self) -> (Vec<ParamsError>, Vec<Limits>) {
+        (self.errors, self.limits)
     }
 }
