@@ -26,15 +26,8 @@ fn least_ms(repeats: usize, mut work: impl FnMut()) -> f64 {
 
 fn main() {
     let set = ParameterSet::reference();
-    let recipe = Simulation {
-        model: ModelKind::Reference,
-        command: Drive::Diagnostic,
-        faults: Faults { kgm: 0.2, fdj_n: 600.0, ..Faults::default() },
-        noise_power_ma2_s: 0.0,
-        seed: 1,
-        duration_s: 6.0,
-        sample_rate_hz: 1000.0,
-    };
+    let faults = Faults { kgm: 0.2, fdj_n: 600.0, ..Faults::default() };
+    let recipe = Simulation::new(ModelKind::Reference, Drive::Diagnostic, faults, 6.0, 1000.0);
     let trace = simulate(&recipe, &set, &Unwatched).unwrap();
     let simulation_ms = least_ms(5, || drop(black_box(simulate(&recipe, &set, &Unwatched))));
     println!("reference model, 6 s: {simulation_ms:.1} ms, {:.0} ns a step", simulation_ms * 1e6 / 600_001.0);

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::progress::{Bar, Part};
-use super::{Failure, print};
+use super::{Failure, first_of, print, read_file, refused};
 use crate::estimation::{Estimate, Settings, estimate};
-use crate::formats::{self, Format, FormatError, ReadOptions};
+use crate::formats::{self, FormatError, ReadOptions};
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::Trace;
 
@@ -89,25 +89,12 @@ fn report<'a>(
 }
 
 fn read(file: &Path, options: &ReadOptions) -> Result<Trace, Failure> {
-    let name = file.display();
-    let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let format = Format::from_extension(extension)
-        .ok_or_else(|| Failure::usage(anyhow!("{name}: expected a name that ends in .csv or .json")))?;
-    let bytes = std::fs::read(file).with_context(|| name.to_string()).map_err(Failure::usage)?;
-    formats::read(format, &bytes, options).map_err(|errors| Failure::usage(anyhow!("{name}: {}", first_of(&errors))))
+    let (format, bytes) = read_file(file)?;
+    formats::read(format, &bytes, options).map_err(|errors| refused(file, &errors))
 }
 
 fn bad_input(errors: &[FormatError]) -> Failure {
     Failure::usage(anyhow!("--{}", first_of(errors)))
-}
-
-/// The first error, and how many more there are.
-fn first_of(errors: &[FormatError]) -> String {
-    match errors {
-        [] => "cannot be read".into(),
-        [only] => only.to_string(),
-        [first, rest @ ..] => format!("{first} (and {} more)", rest.len()),
-    }
 }
 
 /// A report for a person.

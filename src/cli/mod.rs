@@ -11,10 +11,14 @@ mod simulate;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
+use anyhow::{Context as _, anyhow};
 use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
+
+use crate::formats::{Format, FormatError};
 
 /// Prognostic health monitoring of electro-hydraulic flight-control actuators.
 #[derive(Debug, Parser)]
@@ -106,7 +110,7 @@ fn explain(error: &clap::Error) -> ExitCode {
             let text = error.to_string();
             let end = ["\n\nUsage:", "\n\nFor more"].into_iter().filter_map(|mark| text.find(mark)).min();
             let what = text[..end.unwrap_or(text.len())].trim_start_matches("error: ").to_owned();
-            Failure::usage(anyhow::anyhow!("{what} (see --help)")).report()
+            Failure::usage(anyhow!("{what} (see --help)")).report()
         }
     }
 }
@@ -119,6 +123,30 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
             Err(Failure::work(anyhow::Error::new(error).context("standard output")))
         }
         _ => Ok(()),
+    }
+}
+
+/// The bytes of a file that holds a trace, and its format by its name.
+fn read_file(file: &Path) -> Result<(Format, Vec<u8>), Failure> {
+    let name = file.display();
+    let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let format = Format::from_extension(extension)
+        .ok_or_else(|| Failure::usage(anyhow!("{name}: expected a name that ends in .csv or .json")))?;
+    let bytes = std::fs::read(file).with_context(|| name.to_string()).map_err(Failure::usage)?;
+    Ok((format, bytes))
+}
+
+/// A file that cannot be used.
+fn refused(file: &Path, errors: &[FormatError]) -> Failure {
+    Failure::usage(anyhow!("{}: {}", file.display(), first_of(errors)))
+}
+
+/// The first error, and how many more there are.
+fn first_of(errors: &[FormatError]) -> String {
+    match errors {
+        [] => "cannot be read".into(),
+        [only] => only.to_string(),
+        [first, rest @ ..] => format!("{first} (and {} more)", rest.len()),
     }
 }
 

@@ -2,17 +2,20 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use anyhow::{Context, anyhow};
 use clap::{Args, ValueEnum};
 
 use super::progress::Bar;
 use super::{Failure, print};
-use crate::formats::{self, Format};
-use crate::models::drive::Drive;
+use crate::formats::{self, Format, ReadOptions};
+use crate::models::drive::{Drive, DriveError};
 use crate::models::fault::Faults;
 use crate::models::parameters::ParameterSet;
-use crate::models::simulate::{ModelKind, Simulation, simulate};
+use crate::models::signal::Signal;
+use crate::models::simulate::{ModelKind, Quantity, Simulation, SimulationError, simulate};
+use crate::models::trace::Channel;
 
 /// Arguments of `elevon simulate`.
 #[derive(Debug, Args)]
@@ -20,9 +23,10 @@ pub struct SimulateArgs {
     /// The model to run
     #[arg(long)]
     model: Model,
-    /// diagnostic, step:LEVEL, ramp:SLOPE, sine:AMPLITUDE@HZ or sequence:LEVEL@TIME,... (m, m/s, Hz, s)
+    /// diagnostic, step:LEVEL, ramp:SLOPE, sine:AMPLITUDE@HZ, chirp:AMPLITUDE@HZ-HZ (over the whole run),
+    /// sequence:LEVEL@TIME,... or file:FILE, the position_command of a .csv or .json (m, m/s, Hz, s)
     #[arg(long, value_name = "SPEC", allow_hyphen_values = true)]
-    command: Drive,
+    command: Command,
     /// Torque-motor demagnetisation, 0 to 1 [default: 0]
     #[arg(long, value_name = "F", allow_negative_numbers = true)]
     kgm: Option<f64>,
@@ -33,15 +37,21 @@ pub struct SimulateArgs {
     /// clogging (0 to 1), feedback_backlash or jack_backlash (m), current_offset or hysteresis (A); the monitoring model has the first two
     #[arg(long = "fault", value_name = "NAME=VALUE", value_parser = parse_fault)]
     faults: Vec<(Fault, f64)>,
+    /// External load on the jack, N, positive against a positive velocity, or file:FILE, the external_load of a .csv or .json
+    #[arg(long, value_name = "N|file:FILE", allow_negative_numbers = true)]
+    external_load: Option<Outside>,
+    /// Absolute supply pressure, Pa, or file:FILE, the supply_pressure of a .csv or .json [default: the parameter set's]
+    #[arg(long, value_name = "PA|file:FILE", allow_negative_numbers = true)]
+    supply_pressure: Option<Outside>,
     /// Power of the white noise on the reference model's current, mA² s, 0 to 1; 5e-6 in the thesis
     #[arg(long, value_name = "F", default_value_t = 0.0, allow_negative_numbers = true)]
     noise_power: f64,
     /// Seed of the noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Length of the trace, s, at most 600
-    #[arg(long, value_name = "S", default_value_t = 6.0, allow_negative_numbers = true)]
-    duration: f64,
+    /// Length of the trace, s, at most 600 [default: 6, or the recorded command's length]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    duration: Option<f64>,
     /// Samples per second, 1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_negative_numbers = true)]
     sample_rate: f64,
@@ -55,6 +65,49 @@ enum Model {
     Reference,
     Monitoring,
 }
+
+/// A command, or the file that has it.
+#[derive(Debug, Clone)]
+enum Command {
+    Drive(Drive),
+    File(PathBuf),
+}
+
+impl FromStr for Command {
+    type Err = DriveError;
+
+    fn from_str(text: &str) -> Result<Self, DriveError> {
+        match text.strip_prefix(FILE) {
+            Some(file) => Ok(Self::File(file.into())),
+            None => text.parse().map(Self::Drive),
+        }
+    }
+}
+
+/// A quantity that acts from outside, or the file that has it.
+#[derive(Debug, Clone)]
+enum Outside {
+    Constant(f64),
+    File(PathBuf),
+}
+
+impl FromStr for Outside {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.strip_prefix(FILE) {
+            Some(file) => Ok(Self::File(file.into())),
+            None => {
+                text.parse().map(Self::Constant).map_err(|_| format!("found {text:?}, expected a number or file:FILE"))
+            }
+        }
+    }
+}
+
+/// What precedes a file's name where a number or a command could stand.
+const FILE: &str = "file:";
+/// The length of a trace, s, when neither it nor a recorded command says so.
+const DURATION_S: f64 = 6.0;
 
 /// The faults that `--fault` knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,9 +151,13 @@ pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
         return Err(Failure::usage(error));
     }
     let bar = Bar::new("simulating");
-    let trace = simulate(&recipe, &ParameterSet::reference(), &bar).map_err(Failure::work)?;
+    let set = ParameterSet::reference();
+    let trace = simulate(&recipe, &set, &bar).map_err(|error| match error {
+        SimulationError::OutOfRange { .. } | SimulationError::Supply { .. } => Failure::usage(error),
+        SimulationError::Diverged { .. } | SimulationError::Cancelled => Failure::work(error),
+    })?;
     bar.finish();
-    write(&args.out, &formats::write(format, &trace))
+    write(&args.out, &formats::write_with(format, &trace, &recipe.provenance(&set).to_json()))
 }
 
 fn recipe(args: &SimulateArgs) -> Result<Simulation, Failure> {
@@ -122,18 +179,45 @@ fn recipe(args: &SimulateArgs) -> Result<Simulation, Failure> {
             Fault::Hysteresis => faults.hysteresis_a = value,
         }
     }
+    let model = match args.model {
+        Model::Reference => ModelKind::Reference,
+        Model::Monitoring => ModelKind::Monitoring,
+    };
+    let (command, recorded_s) = match &args.command {
+        Command::Drive(drive) => (drive.clone(), None),
+        Command::File(file) => {
+            let (time_s, position_m) = read_input(file, Channel::PositionCommand)?;
+            let signal = Signal::command(&time_s, &position_m);
+            let duration_s = signal.duration_s();
+            (Drive::Recorded(signal), Some(duration_s))
+        }
+    };
+    let duration_s = args.duration.or(recorded_s).unwrap_or(DURATION_S);
     Ok(Simulation {
-        model: match args.model {
-            Model::Reference => ModelKind::Reference,
-            Model::Monitoring => ModelKind::Monitoring,
-        },
-        command: args.command.clone(),
-        faults,
+        external_load_n: outside(args.external_load.as_ref(), Channel::ExternalLoad)?,
+        supply_pressure_pa: outside(args.supply_pressure.as_ref(), Channel::SupplyPressure)?,
         noise_power_ma2_s: args.noise_power,
         seed: args.seed,
-        duration_s: args.duration,
-        sample_rate_hz: args.sample_rate,
+        ..Simulation::new(model, command, faults, duration_s, args.sample_rate)
     })
+}
+
+fn outside(found: Option<&Outside>, channel: Channel) -> Result<Option<Quantity>, Failure> {
+    Ok(match found {
+        None => None,
+        Some(Outside::Constant(value)) => Some(Quantity::Constant(*value)),
+        Some(Outside::File(file)) => {
+            let (time_s, values) = read_input(file, channel)?;
+            Some(Quantity::Recorded(Signal::new(&time_s, &values, f64::INFINITY)))
+        }
+    })
+}
+
+/// The times and the values of one column of a file.
+fn read_input(file: &Path, channel: Channel) -> Result<(Vec<f64>, Vec<f64>), Failure> {
+    let (format, bytes) = super::read_file(file)?;
+    formats::read_input(format, &bytes, &ReadOptions::default(), channel)
+        .map_err(|errors| super::refused(file, &errors))
 }
 
 fn is_stdout(path: &Path) -> bool {

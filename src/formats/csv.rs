@@ -4,7 +4,7 @@ use std::io::Write;
 
 use ::csv::{Reader, ReaderBuilder, StringRecord, Writer};
 
-use super::columns::{Columns, Places, check_number};
+use super::columns::{Columns, Make, Places, Purpose, check_number};
 use super::errors::{FormatErrors, clip, only};
 use super::number::{bare, parse};
 use super::{FormatError, ReadOptions};
@@ -90,8 +90,13 @@ fn separator(text: &str) -> u8 {
     SEPARATORS.into_iter().max_by_key(fit).unwrap_or(b',')
 }
 
-/// Reads a trace from text.
-pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Trace, Vec<FormatError>> {
+/// Reads text, and makes something of it.
+pub(super) fn read<T>(
+    text: &str,
+    options: &ReadOptions,
+    purpose: Purpose,
+    make: Make<T>,
+) -> Result<T, Vec<FormatError>> {
     if text.contains('\0') {
         return Err(only("file", "found bytes that are not text, expected a header line and rows of numbers"));
     }
@@ -109,10 +114,10 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Trace, Vec<Forma
         faults.add(|| lines.names(), || format!("found nothing as the name of column {}, expected a name", empty + 1));
     }
     check_number(&names, &lines)?;
-    let columns = Columns::resolve(names, options, &lines, &mut faults);
+    let columns = Columns::resolve(names, options, purpose, &lines, &mut faults);
     let data = read_numbers(&mut rows, &columns, &mut lines.samples, &mut faults);
     faults.into_result()?;
-    columns.into_trace(data, &lines)
+    columns.into(data, make, &lines)
 }
 
 /// Reads every row, and adds its line to `lines`. The numbers are of use only when there were no faults.

@@ -5,9 +5,10 @@ use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Serialize, Serializer};
+use serde_json::{Map, Value};
 use serde_path_to_error::{Path, Segment};
 
-use super::columns::{Columns, Places, check_number};
+use super::columns::{Columns, Make, Places, Purpose, check_number};
 use super::errors::{FormatErrors, clip, only};
 use super::{FormatError, ReadOptions};
 use crate::models::trace::Trace;
@@ -45,8 +46,13 @@ fn pointer(path: &Path) -> String {
         .collect()
 }
 
-/// Reads a trace from JSON.
-pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Trace, Vec<FormatError>> {
+/// Reads JSON, and makes something of it.
+pub(super) fn read<T>(
+    text: &str,
+    options: &ReadOptions,
+    purpose: Purpose,
+    make: Make<T>,
+) -> Result<T, Vec<FormatError>> {
     let mut json = serde_json::Deserializer::from_str(text);
     let document: Document =
         serde_path_to_error::deserialize(&mut json).map_err(|error| stopped(&pointer(error.path()), error.inner()))?;
@@ -64,9 +70,9 @@ pub(super) fn read(text: &str, options: &ReadOptions) -> Result<Trace, Vec<Forma
         data.push(numbers.values);
     }
     check_number(&names, &Pointers)?;
-    let columns = Columns::resolve(names, options, &Pointers, &mut faults);
+    let columns = Columns::resolve(names, options, purpose, &Pointers, &mut faults);
     faults.into_result()?;
-    columns.into_trace(data, &Pointers)
+    columns.into(data, make, &Pointers)
 }
 
 /// The fault that ended the reading: its message has the line and the column.
@@ -247,24 +253,21 @@ impl<'de> Deserialize<'de> for Element {
     }
 }
 
-/// A trace as a file holds it. A trace has no metadata, so they are empty.
+/// A trace as a file holds it.
 #[derive(Serialize)]
 struct Written<'a> {
     #[serde(serialize_with = "serialize_columns")]
     columns: &'a Trace,
-    metadata: Metadata,
+    metadata: &'a Map<String, Value>,
 }
-
-#[derive(Serialize)]
-struct Metadata {}
 
 fn serialize_columns<S: Serializer>(trace: &&Trace, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(trace.columns())
 }
 
 /// Writes a trace as JSON.
-pub(super) fn write(trace: &Trace) -> Vec<u8> {
-    let written = Written { columns: trace, metadata: Metadata {} };
+pub(super) fn write(trace: &Trace, metadata: &Map<String, Value>) -> Vec<u8> {
+    let written = Written { columns: trace, metadata };
     serde_json::to_vec(&written).expect("finite numbers under names are JSON, and memory takes every write")
 }
 
@@ -284,14 +287,18 @@ mod tests {
         format!("{:?}", (0..12).collect::<Vec<_>>())
     }
 
+    fn read(text: &str) -> Result<Trace, Vec<FormatError>> {
+        super::super::read(super::super::Format::Json, text.as_bytes(), &ReadOptions::default())
+    }
+
     fn faults(text: &str) -> Vec<String> {
-        errors(read(text, &ReadOptions::default()))
+        errors(read(text))
     }
 
     #[test]
     fn columns_are_read_and_metadata_are_accepted() {
         for end in ["", ", \"metadata\": {\"tail\": \"I-ABCD\", \"deep\": [{}, null]}"] {
-            let trace = read(&file(&times(), end), &ReadOptions::default()).unwrap();
+            let trace = read(&file(&times(), end)).unwrap();
             assert_eq!((trace.samples(), trace.position_command_m()[3]), (12, 0.001));
         }
     }
@@ -365,11 +372,10 @@ mod tests {
 
     #[test]
     fn files_have_both_parts_of_the_form() {
-        let trace = read(&file(&times(), ""), &ReadOptions::default()).unwrap();
-        let text = String::from_utf8(write(&trace)).unwrap();
-        assert!(
-            text.starts_with("{\"columns\":{\"time_s\":[0.0,1.0,") && text.ends_with("},\"metadata\":{}}"),
-            "{text}"
-        );
+        let trace = read(&file(&times(), "")).unwrap();
+        let metadata = Map::from_iter([("seed".to_owned(), Value::from(7))]);
+        let text = String::from_utf8(write(&trace, &metadata)).unwrap();
+        assert!(text.starts_with("{\"columns\":{\"time_s\":[0.0,1.0,"), "{text}");
+        assert!(text.ends_with("},\"metadata\":{\"seed\":7}}"), "{text}");
     }
 }

@@ -10,9 +10,11 @@ mod json;
 mod names;
 mod number;
 
+use serde_json::{Map, Value};
 use thiserror::Error;
 
-use crate::models::trace::Trace;
+use crate::models::trace::{Channel, Trace, check_samples};
+use columns::{Make, Purpose};
 use errors::{FormatErrors, clip, only};
 
 /// A file format of traces.
@@ -117,9 +119,38 @@ pub struct FormatError {
 /// Everything that is wrong with the file, as far as reading could go on; never empty. After 20 errors comes one that
 /// counts the others.
 pub fn read(format: Format, bytes: &[u8], options: &ReadOptions) -> Result<Trace, Vec<FormatError>> {
+    read_for(format, bytes, options, Purpose::Measurement, |c| Trace::try_new(c.time_s, c.channels, c.others))
+}
+
+/// Reads one column of a file, and its times, to let it act on a model; no other column is needed.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_input(
+    format: Format,
+    bytes: &[u8],
+    options: &ReadOptions,
+    channel: Channel,
+) -> Result<(Vec<f64>, Vec<f64>), Vec<FormatError>> {
+    let (time_s, mut channels) = read_for(format, bytes, options, Purpose::Input(channel), |c| {
+        let named = c.channels.iter().map(|(channel, values)| (channel.column(), values.as_slice()));
+        let errors = check_samples(&c.time_s, named);
+        if errors.is_empty() { Ok((c.time_s, c.channels)) } else { Err(errors) }
+    })?;
+    let values = channels.remove(&channel).expect("a file without the column was refused");
+    Ok((time_s, values))
+}
+
+fn read_for<T>(
+    format: Format,
+    bytes: &[u8],
+    options: &ReadOptions,
+    purpose: Purpose,
+    make: Make<T>,
+) -> Result<T, Vec<FormatError>> {
     match format {
-        Format::Csv => csv::read(text(bytes)?, options),
-        Format::Json => json::read(text(bytes)?, options),
+        Format::Csv => csv::read(text(bytes)?, options, purpose, make),
+        Format::Json => json::read(text(bytes)?, options, purpose, make),
     }
 }
 
@@ -127,9 +158,15 @@ pub fn read(format: Format, bytes: &[u8], options: &ReadOptions) -> Result<Trace
 /// channels, then the others.
 #[must_use]
 pub fn write(format: Format, trace: &Trace) -> Vec<u8> {
+    write_with(format, trace, &Map::new())
+}
+
+/// The same with metadata, where the format has a place for them: JSON.
+#[must_use]
+pub fn write_with(format: Format, trace: &Trace, metadata: &Map<String, Value>) -> Vec<u8> {
     match format {
         Format::Csv => csv::write(trace),
-        Format::Json => json::write(trace),
+        Format::Json => json::write(trace, metadata),
     }
 }
 

@@ -84,15 +84,8 @@ impl SimulationSpec {
     /// The same with a command that was read already.
     #[must_use]
     pub fn recipe_with(&self, command: Drive) -> Simulation {
-        Simulation {
-            model: self.model,
-            command,
-            faults: self.faults,
-            noise_power_ma2_s: self.noise_power,
-            seed: self.seed,
-            duration_s: self.duration_s,
-            sample_rate_hz: self.sample_rate_hz,
-        }
+        let quiet = Simulation::new(self.model, command, self.faults, self.duration_s, self.sample_rate_hz);
+        Simulation { noise_power_ma2_s: self.noise_power, seed: self.seed, ..quiet }
     }
 }
 

@@ -7,5 +7,6 @@ pub mod fault;
 pub mod monitoring;
 pub mod parameters;
 pub mod reference;
+pub mod signal;
 pub mod simulate;
 pub mod trace;

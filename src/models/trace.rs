@@ -153,12 +153,9 @@ impl Trace {
         channels: BTreeMap<Channel, Vec<f64>>,
         extra: Vec<(String, Vec<f64>)>,
     ) -> Result<Self, Vec<TraceError>> {
-        let mut errors = Vec::new();
-        match time_s.len() {
-            found if found < SAMPLES_MIN => errors.push(TraceError::TooShort { found }),
-            found if found > SAMPLES_MAX => errors.push(TraceError::TooLong { found }),
-            _ => errors.extend(check_times(&time_s)),
-        }
+        let named = channels.iter().map(|(channel, values)| (channel.column(), values.as_slice()));
+        let extras = extra.iter().map(|(name, values)| (name.as_str(), values.as_slice()));
+        let mut errors = check_samples(&time_s, named.chain(extras));
         if !channels.contains_key(&Channel::PositionCommand) {
             errors.push(TraceError::Missing { column: Channel::PositionCommand.column().into() });
         }
@@ -166,10 +163,6 @@ impl Trace {
             errors.push(TraceError::Missing {
                 column: format!("{} or {}", Channel::ServovalveCurrent.column(), Channel::LoadPressure.column()),
             });
-        }
-        let named = channels.iter().map(|(channel, values)| (channel.column(), values));
-        for (column, values) in named.chain(extra.iter().map(|(name, values)| (name.as_str(), values))) {
-            errors.extend(check_column(column, values, time_s.len()));
         }
         if errors.is_empty() { Ok(Self { time_s, channels, extra }) } else { Err(errors) }
     }
@@ -211,6 +204,18 @@ impl Trace {
         let extra = self.extra.iter().map(|(name, values)| (name.as_str(), values.as_slice()));
         time.chain(known).chain(extra)
     }
+}
+
+/// What is wrong with samples over a common time axis: their number, the times, a column's length or values.
+#[must_use]
+pub fn check_samples<'a>(time_s: &[f64], columns: impl Iterator<Item = (&'a str, &'a [f64])>) -> Vec<TraceError> {
+    let times = match time_s.len() {
+        found if found < SAMPLES_MIN => Some(TraceError::TooShort { found }),
+        found if found > SAMPLES_MAX => Some(TraceError::TooLong { found }),
+        _ => check_times(time_s),
+    };
+    let columns = columns.filter_map(|(column, values)| check_column(column, values, time_s.len()));
+    times.into_iter().chain(columns).collect()
 }
 
 /// The first fault of a time axis: a value that is not finite, a step that is not positive, a gap, too long a time.

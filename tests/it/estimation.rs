@@ -15,15 +15,9 @@ use rayon::prelude::*;
 
 /// A trace of the reference model at 1 kHz.
 fn recorded(command: &str, kgm: f64, fdj_n: f64, noise_power_ma2_s: f64, seed: u64) -> Trace {
-    let recipe = Simulation {
-        model: ModelKind::Reference,
-        command: command.parse().unwrap(),
-        faults: Faults { kgm, fdj_n, ..Faults::default() },
-        noise_power_ma2_s,
-        seed,
-        duration_s: 6.0,
-        sample_rate_hz: 1000.0,
-    };
+    let faults = Faults { kgm, fdj_n, ..Faults::default() };
+    let quiet = Simulation::new(ModelKind::Reference, command.parse().unwrap(), faults, 6.0, 1000.0);
+    let recipe = Simulation { noise_power_ma2_s, seed, ..quiet };
     simulate(&recipe, &ParameterSet::reference(), &Unwatched).unwrap()
 }
 

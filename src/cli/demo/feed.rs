@@ -119,15 +119,9 @@ fn missing(client: &Client, ids: &HashMap<String, String>) -> anyhow::Result<Vec
 /// Makes the trace of a flight with the reference model and uploads it; returns its job's id.
 fn fly(client: &Client, set: &ParameterSet, id: &str, index: usize, flight: u32) -> anyhow::Result<String> {
     let (command, faults, seed) = FLEET[index].flight(index, flight);
-    let recipe = Simulation {
-        model: ModelKind::Reference,
-        command: command.parse().context("the demo's own command")?,
-        faults,
-        noise_power_ma2_s: NOISE_POWER_MA2_S,
-        seed,
-        duration_s: 6.0,
-        sample_rate_hz: 1000.0,
-    };
+    let command = command.parse().context("the demo's own command")?;
+    let quiet = Simulation::new(ModelKind::Reference, command, faults, 6.0, 1000.0);
+    let recipe = Simulation { noise_power_ma2_s: NOISE_POWER_MA2_S, seed, ..quiet };
     let trace = simulate(&recipe, set, &Unwatched)?;
     let (at, usage) = recorded(flight);
     let path = format!("/v1/actuators/{id}/traces?recorded_at={at}&usage={usage}");

@@ -1,28 +1,34 @@
 //! A simulation: a model, a command and faults make a trace. Here is the one time loop.
 
+mod inputs;
+mod interference;
 mod plant;
+mod provenance;
 mod recorder;
 
-use rand_distr::{Distribution, StandardNormal};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use utoipa::ToSchema;
 
-use super::blocks::Input;
-use super::drive::Drive;
+use super::drive::{Drive, POSITION_MAX_M};
 use super::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
 use super::parameters::ParameterSet;
+use super::signal::Signal;
 use super::trace::{DURATION_MAX_S, SAMPLES_MIN, Trace};
 use super::{monitoring, reference};
-use crate::numeric::rng::Seed;
 use crate::numeric::watch::Watch;
+use inputs::Inputs;
+use interference::Interference;
 use plant::{MonitoringPlant, Plant};
+pub use provenance::Provenance;
 use recorder::Recorder;
 
 /// The fastest sampling, Hz.
 pub const SAMPLE_RATE_MAX_HZ: f64 = 1e5;
 /// The most samples that a simulation may make: ten minutes at 1 kHz, both ends included.
 pub const SIMULATED_SAMPLES_MAX: f64 = 600_001.0;
+/// The most external load, N.
+const LOAD_MAX_N: f64 = 1e6;
 /// Steps between two looks at the watch.
 const STEPS_PER_LOOK: u64 = 20_000;
 
@@ -36,6 +42,35 @@ pub enum ModelKind {
     Monitoring,
 }
 
+/// A quantity that acts from outside during a run.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Quantity {
+    /// The same all along.
+    Constant(f64),
+    /// As it was recorded.
+    Recorded(Signal),
+}
+
+impl Quantity {
+    /// Its value at a time of the run, s.
+    #[must_use]
+    pub fn at(&self, time_s: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Recorded(signal) => signal.at(time_s),
+        }
+    }
+
+    /// The least and the greatest value.
+    #[must_use]
+    pub fn range(&self) -> (f64, f64) {
+        match self {
+            Self::Constant(value) => (*value, *value),
+            Self::Recorded(signal) => signal.range(),
+        }
+    }
+}
+
 /// The recipe of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulation {
@@ -45,6 +80,10 @@ pub struct Simulation {
     pub command: Drive,
     /// The faults.
     pub faults: Faults,
+    /// External load on the jack beside the parameter set's constant one, N, within ±1e6; none without it.
+    pub external_load_n: Option<Quantity>,
+    /// Absolute supply pressure, Pa, 0 to twice the parameter set's; the parameter set's without it.
+    pub supply_pressure_pa: Option<Quantity>,
     /// Power of the white noise on the current, mA² s; 5e-6 in the thesis, 0 for none. Reference model only.
     pub noise_power_ma2_s: f64,
     /// Seed of the noise.
@@ -68,6 +107,14 @@ pub enum SimulationError {
         /// Its range, with its unit.
         expected: &'static str,
     },
+    /// The supply pressure is beyond what the parameter set allows.
+    #[error("supply_pressure_pa: found {found}, expected at most {max} Pa, twice the parameter set's")]
+    Supply {
+        /// The greatest supply pressure, Pa.
+        found: f64,
+        /// The most allowed, Pa.
+        max: f64,
+    },
     /// The state stopped being finite: the parameters and the time step do not go together.
     #[error("the model diverged at {time_s} s")]
     Diverged {
@@ -80,6 +127,22 @@ pub enum SimulationError {
 }
 
 impl Simulation {
+    /// A run without noise, external load or another supply, its seed 1.
+    #[must_use]
+    pub fn new(model: ModelKind, command: Drive, faults: Faults, duration_s: f64, sample_rate_hz: f64) -> Self {
+        Self {
+            model,
+            command,
+            faults,
+            external_load_n: None,
+            supply_pressure_pa: None,
+            noise_power_ma2_s: 0.0,
+            seed: 1,
+            duration_s,
+            sample_rate_hz,
+        }
+    }
+
     /// Every field that is out of its range; empty when the recipe can be run.
     #[must_use]
     pub fn check(&self) -> Vec<SimulationError> {
@@ -103,6 +166,16 @@ impl Simulation {
         expect((0.0..=0.02).contains(&hysteresis_a), "faults.hysteresis_a", hysteresis_a, "0 to 0.02 A");
         let noise = self.noise_power_ma2_s;
         expect((0.0..=1.0).contains(&noise), "noise_power", noise, "0 to 1 mA2 s");
+        let recorded = if let Drive::Recorded(signal) = &self.command { signal.range() } else { (0.0, 0.0) };
+        for (name, (low, high), (min, max), expected) in [
+            ("command", recorded, (-POSITION_MAX_M, POSITION_MAX_M), "-10 to 10 m"),
+            ("external_load_n", range(self.external_load_n.as_ref()), (-LOAD_MAX_N, LOAD_MAX_N), "-1e6 to 1e6 N"),
+            ("supply_pressure_pa", range(self.supply_pressure_pa.as_ref()), (0.0, f64::MAX), "0 Pa or more"),
+        ] {
+            // The end that is further out is told.
+            let found = if low.is_nan() || low < min { low } else { high };
+            expect(min <= low && high <= max, name, found, expected);
+        }
         if self.model == ModelKind::Monitoring {
             let expected = "0: the monitoring model does not have it";
             expect(clearance_m == 0.0, "faults.clearance_m", clearance_m, expected);
@@ -123,6 +196,11 @@ impl Simulation {
     }
 }
 
+/// The range of a quantity; zero where there is none.
+fn range(quantity: Option<&Quantity>) -> (f64, f64) {
+    quantity.map_or((0.0, 0.0), Quantity::range)
+}
+
 /// Runs a model. Row k of the trace is the state after the step at k / rate (the nearest step where the rate does not
 /// divide the steps evenly).
 ///
@@ -132,41 +210,40 @@ pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> R
     if let Some(error) = recipe.check().into_iter().next() {
         return Err(error);
     }
+    let inputs = Inputs::new(recipe, set)?;
     match recipe.model {
         ModelKind::Reference => {
-            let model = reference::Model::new(&set.shared(), set.reference_model(), &recipe.faults);
-            run(&model, recipe, watch)
+            let own = set.reference_model();
+            let model = reference::Model::new(&set.shared(), own, &recipe.faults);
+            let sample_time_s = own.torque_motor.interference_sample_time_s;
+            let interference = Interference::new(recipe.noise_power_ma2_s, sample_time_s, own.time_step_s, recipe.seed);
+            run(&model, recipe, &inputs, interference, watch)
         }
         ModelKind::Monitoring => {
             let model = monitoring::Model::new(&set.shared(), set.monitoring_model());
             let candidate = model.candidate(recipe.faults.kgm, recipe.faults.fdj_n);
-            run(&MonitoringPlant { model, candidate }, recipe, watch)
+            run(&MonitoringPlant { model, candidate }, recipe, &inputs, Interference::none(), watch)
         }
     }
 }
 
 /// The time loop.
-fn run<P: Plant>(plant: &P, recipe: &Simulation, watch: &dyn Watch) -> Result<Trace, SimulationError> {
-    let dt = plant.time_step_s();
+fn run<P: Plant>(
+    plant: &P,
+    recipe: &Simulation,
+    inputs: &Inputs<'_>,
+    mut interference: Interference,
+    watch: &dyn Watch,
+) -> Result<Trace, SimulationError> {
     // 1/dt is the whole number of steps in a second; k dt and k / that number are not the same double.
-    let steps_per_s = (1.0 / dt).round();
-    // White noise of this power, held for a time step, has the variance power / time step; mA to A.
-    let noise_a = (recipe.noise_power_ma2_s / dt).sqrt() * 1e-3;
-    let mut noise = Seed(recipe.seed).stream("current noise", 0);
+    let steps_per_s = (1.0 / plant.time_step_s()).round();
     let mut recorder = Recorder::new(recipe);
     let mut state = plant.start();
     let mut step: u64 = 0;
     while let Some(due) = recorder.next_step(steps_per_s) {
         loop {
-            let time_s = step as f64 / steps_per_s;
-            let interference_a = if noise_a > 0.0 {
-                let draw: f64 = StandardNormal.sample(&mut noise);
-                draw * noise_a
-            } else {
-                0.0
-            };
-            let command = Input::command(recipe.command.position_m(time_s));
-            state = plant.step(&state, &Input { interference_a, ..command });
+            let input = inputs.at(step as f64 / steps_per_s, interference.next());
+            state = plant.step(&state, &input);
             step += 1;
             if step.is_multiple_of(STEPS_PER_LOOK) {
                 watch.progress(recorder.fraction());
@@ -178,11 +255,12 @@ fn run<P: Plant>(plant: &P, recipe: &Simulation, watch: &dyn Watch) -> Result<Tr
                 break;
             }
         }
+        let time_s = (step - 1) as f64 / steps_per_s;
         let sample = P::sample(&state);
         if sample.iter().any(|value| !value.is_finite()) {
-            return Err(SimulationError::Diverged { time_s: (step - 1) as f64 / steps_per_s });
+            return Err(SimulationError::Diverged { time_s });
         }
-        recorder.record(recipe.command.position_m((step - 1) as f64 / steps_per_s), &sample);
+        recorder.record(time_s, &sample);
     }
     Ok(recorder.finish(P::COLUMNS))
 }
@@ -194,15 +272,7 @@ mod tests {
     use crate::numeric::watch::Unwatched;
 
     fn recipe(model: ModelKind) -> Simulation {
-        Simulation {
-            model,
-            command: Drive::Diagnostic,
-            faults: Faults::default(),
-            noise_power_ma2_s: 0.0,
-            seed: 1,
-            duration_s: 0.1,
-            sample_rate_hz: 1000.0,
-        }
+        Simulation::new(model, Drive::Diagnostic, Faults::default(), 0.1, 1000.0)
     }
 
     #[test]

@@ -86,15 +86,8 @@ impl Bench {
 /// A trace of the thesis's diagnostic command in CSV, with KGM 0.2 and FDJ 600 N.
 pub fn csv() -> Vec<u8> {
     static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| {
-        let recipe = Simulation {
-            model: ModelKind::Reference,
-            command: Drive::Diagnostic,
-            faults: Faults { kgm: 0.2, fdj_n: 600.0, ..Faults::default() },
-            noise_power_ma2_s: 0.0,
-            seed: 1,
-            duration_s: 5.0,
-            sample_rate_hz: 1000.0,
-        };
+        let faults = Faults { kgm: 0.2, fdj_n: 600.0, ..Faults::default() };
+        let recipe = Simulation::new(ModelKind::Reference, Drive::Diagnostic, faults, 5.0, 1000.0);
         write(Format::Csv, &simulate(&recipe, &ParameterSet::reference(), &Unwatched).unwrap())
     });
     BYTES.clone()

@@ -13,7 +13,7 @@ use super::table_6_3::{diagnostic, features};
 fn evaluator() -> Evaluator {
     let rate_hz = 1000.0;
     let time_s: Vec<f64> = (0..=6000).map(|k| f64::from(k) / rate_hz).collect();
-    let command_m = time_s.iter().map(|&t| elevon::models::drive::Drive::Diagnostic.position_m(t)).collect();
+    let command_m = time_s.iter().map(|&t| elevon::models::drive::Drive::Diagnostic.position_m(t, 6.0)).collect();
     let silent = [Channel::ServovalveCurrent, Channel::LoadPressure].map(|c| (c, vec![0.0; 6001]));
     let channels = BTreeMap::from_iter(silent.into_iter().chain([(Channel::PositionCommand, command_m)]));
     let trace = Trace::try_new(time_s, channels, Vec::new()).unwrap();

@@ -41,15 +41,8 @@ pub const TABLE_6_3: [(f64, f64, f64, f64); 25] = [
 
 /// A diagnostic run at the model's own rate, up to the end of the pressure feature.
 pub fn diagnostic(model: ModelKind, kgm: f64, fdj_n: f64) -> Trace {
-    let recipe = Simulation {
-        model,
-        command: Drive::Diagnostic,
-        faults: Faults { kgm, fdj_n, ..Faults::default() },
-        noise_power_ma2_s: 0.0,
-        seed: 1,
-        duration_s: 5.11,
-        sample_rate_hz: 100_000.0,
-    };
+    let faults = Faults { kgm, fdj_n, ..Faults::default() };
+    let recipe = Simulation::new(model, Drive::Diagnostic, faults, 5.11, 100_000.0);
     simulate(&recipe, &ParameterSet::reference(), &Unwatched).unwrap()
 }
 
