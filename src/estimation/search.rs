@@ -57,7 +57,7 @@ pub fn search(
         let features = evaluator.features(&proposals);
         features.iter().map(|modelled| objective(&measured.features, modelled, bias)).collect()
     };
-    let genetic = genetic::Settings { population: settings.population, generations: settings.generations };
+    let genetic = genetic::Settings::thesis(settings.population, settings.generations);
     let rounds = settings.generations + 1;
     let mut evaluations = 0;
     let mut genetic = Genetic::new(&bounds, genetic, Seed(settings.seed));

@@ -1,5 +1,9 @@
 //! The box that a search stays in.
 
+use rand::RngExt;
+
+use crate::numeric::rng::Seed;
+
 /// One value for each variable, in the variables' own units.
 pub type Candidate = Vec<f64>;
 
@@ -36,9 +40,22 @@ impl Bounds {
         self.upper[variable] - self.lower[variable]
     }
 
+    /// The middle of a variable's interval.
+    #[must_use]
+    pub fn middle(&self, variable: usize) -> f64 {
+        0.5 * (self.lower[variable] + self.upper[variable])
+    }
+
     /// The point at these fractions of every interval.
     pub fn at(&self, mut fraction: impl FnMut(usize) -> f64) -> Candidate {
         (0..self.variables()).map(|i| self.lower[i] + fraction(i) * self.width(i)).collect()
+    }
+
+    /// Random points, uniform inside.
+    #[must_use]
+    pub fn random(&self, number: usize, seed: Seed) -> Vec<Candidate> {
+        let mut rng = seed.stream("creation", 0);
+        (0..number).map(|_| self.at(|_| rng.random())).collect()
     }
 
     /// Whether a candidate lies inside, bounds included.

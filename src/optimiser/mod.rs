@@ -4,10 +4,12 @@
 //! costs in the order asked. Cancellation, progress and batching come free.
 
 pub mod bounds;
+pub mod differential;
 #[cfg(test)]
 mod functions;
 pub mod genetic;
 pub mod polish;
+pub mod swarm;
 
 pub use bounds::{Bounds, Candidate};
 

@@ -1,30 +1,98 @@
-//! The genetic algorithm of section 7.1, with the thesis's settings (section 7.2): random creation, proportional
-//! scaling, stochastic uniform selection, scattered crossover, adaptive feasible mutation, elitism.
+//! The genetic algorithm of section 7.1: creation, fitness scaling, selection, crossover, mutation, elitism; each of them
+//! selectable, with the thesis's choices (section 7.2) as [`Settings::thesis`]. The hybrid polish at the end is a search of
+//! its own ([`super::polish`]).
 
-mod breed;
+mod crossover;
+mod mutation;
+mod scaling;
+mod selection;
 
-use super::{Best, Bounds, Candidate, Search, StopReason, ranking};
+use serde::{Deserialize, Serialize};
+
+use super::{Best, Bounds, Candidate, Search, StopReason, key, ranking};
 use crate::numeric::rng::Seed;
-use breed::Breeder;
+pub use crossover::Crossover;
+pub use mutation::Mutation;
+use mutation::Mutator;
+pub use scaling::Scaling;
+pub use selection::Selection;
 
-/// Share of a generation that survives unchanged, rounded up.
-const ELITE_SHARE: f64 = 0.05;
-
-/// How large the search is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How the search goes.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Settings {
     /// Candidates in a generation, at least 4.
     pub population: usize,
-    /// Generations bred after the first, random one.
+    /// Generations bred after the first.
     pub generations: usize,
+    /// From costs to expectations.
+    pub scaling: Scaling,
+    /// From expectations to parents.
+    pub selection: Selection,
+    /// From two parents to a child.
+    pub crossover: Crossover,
+    /// Share of the children that come from crossover, 0 to 1; the others are mutants.
+    pub crossover_share: f64,
+    /// From one parent to a mutant.
+    pub mutation: Mutation,
+    /// Share of a generation that survives unchanged, rounded up, 0 to below 1.
+    pub elite_share: f64,
+}
+
+impl Settings {
+    /// The thesis's choices (section 7.2): proportional scaling and adaptive feasible mutation, the rest as MATLAB's `ga`
+    /// has it: stochastic uniform selection, scattered crossover of 80 %, an elite of 5 %.
+    #[must_use]
+    pub const fn thesis(population: usize, generations: usize) -> Self {
+        Self {
+            population,
+            generations,
+            scaling: Scaling::Proportional,
+            selection: Selection::StochasticUniform,
+            crossover: Crossover::Scattered,
+            crossover_share: 0.8,
+            mutation: Mutation::AdaptiveFeasible,
+            elite_share: 0.05,
+        }
+    }
+
+    /// Candidates that survive a generation.
+    fn elite(&self) -> usize {
+        ((self.population as f64 * self.elite_share).ceil() as usize).min(self.population - 1)
+    }
+
+    fn check(&self) {
+        assert!(self.population >= 4, "a population of {} cannot breed", self.population);
+        let shares = [self.crossover_share, self.elite_share];
+        assert!(
+            shares.iter().all(|share| (0.0..=1.0).contains(share)),
+            "shares of a generation lie in 0 to 1: {shares:?}"
+        );
+        let good = match self.crossover {
+            Crossover::Intermediate { ratio } | Crossover::Heuristic { ratio } => ratio.is_finite() && ratio > 0.0,
+            _ => true,
+        };
+        assert!(good, "a crossover's ratio is above 0: {:?}", self.crossover);
+        let good = match self.mutation {
+            Mutation::Gaussian { scale, shrink } => scale.is_finite() && scale > 0.0 && (0.0..=1.0).contains(&shrink),
+            Mutation::Uniform { rate } => (0.0..=1.0).contains(&rate),
+            Mutation::AdaptiveFeasible => true,
+        };
+        assert!(good, "a mutation's scale is above 0, its shrink and rate lie in 0 to 1: {:?}", self.mutation);
+        assert!(self.selection != Selection::Tournament { size: 0 }, "a tournament has at least one candidate");
+    }
 }
 
 /// A genetic algorithm under way.
 #[derive(Debug)]
 pub struct Genetic {
+    bounds: Bounds,
     settings: Settings,
-    breeder: Breeder,
+    seed: Seed,
+    mutator: Mutator,
     generation: usize,
+    /// Candidates that the first generation begins with.
+    given: Vec<Candidate>,
     /// The evaluated generation; empty before the first.
     parents: Vec<Candidate>,
     costs: Vec<f64>,
@@ -35,17 +103,30 @@ pub struct Genetic {
 }
 
 impl Genetic {
-    /// A search within bounds.
+    /// A search within bounds, from a random population.
     ///
     /// # Panics
-    /// When the population is below 4.
+    /// When a setting is out of its range.
     #[must_use]
     pub fn new(bounds: &Bounds, settings: Settings, seed: Seed) -> Self {
-        assert!(settings.population >= 4, "a population of {} cannot breed", settings.population);
+        Self::from_population(bounds, settings, seed, Vec::new())
+    }
+
+    /// The same from a population that is given, clipped to the bounds; random candidates fill it up, and what is beyond its
+    /// size is left out.
+    ///
+    /// # Panics
+    /// When a setting is out of its range.
+    #[must_use]
+    pub fn from_population(bounds: &Bounds, settings: Settings, seed: Seed, given: Vec<Candidate>) -> Self {
+        settings.check();
         Self {
+            bounds: bounds.clone(),
             settings,
-            breeder: Breeder::new(bounds, seed),
+            seed,
+            mutator: Mutator::new(settings.mutation),
             generation: 0,
+            given,
             parents: Vec::new(),
             costs: Vec::new(),
             asked: Vec::new(),
@@ -54,25 +135,44 @@ impl Genetic {
         }
     }
 
-    fn elite(&self) -> usize {
-        (self.settings.population as f64 * ELITE_SHARE).ceil() as usize
+    fn create(&mut self) -> Vec<Candidate> {
+        let random = self.bounds.random(self.settings.population, self.seed);
+        let given = self.given.drain(..).map(|candidate| self.bounds.clip(candidate));
+        given.chain(random).take(self.settings.population).collect()
+    }
+
+    fn breed(&mut self) -> Vec<Candidate> {
+        let Settings { generations, scaling, selection, crossover, crossover_share, .. } = self.settings;
+        let children = self.settings.population - self.settings.elite();
+        let index = self.generation as u64;
+        self.mutator.adapt(self.improved, self.generation as f64 / generations as f64);
+        let crossed = (children as f64 * crossover_share).round() as usize;
+        let expectations = scaling.expectations(&self.costs);
+        let number = 2 * crossed + children - crossed;
+        let picked = selection.pick(&expectations, number, &mut self.seed.stream("selection", index));
+        let (couples, singles) = picked.split_at(2 * crossed);
+        let mut cross = self.seed.stream("crossover", index);
+        let mut mutate = self.seed.stream("mutation", index);
+        let costs = &self.costs;
+        let offspring = couples.chunks(2).map(|pair| {
+            let first_is_better = key(costs[pair[0]]) <= key(costs[pair[1]]);
+            let (first, second) = (&self.parents[pair[0]], &self.parents[pair[1]]);
+            self.bounds.clip(crossover.child(first, second, first_is_better, &mut cross))
+        });
+        let mutants = singles.iter().map(|&i| self.mutator.mutate(&self.parents[i], &self.bounds, &mut mutate));
+        offspring.chain(mutants).collect()
     }
 }
 
 impl Search for Genetic {
     fn ask(&mut self) -> &[Candidate] {
-        self.asked = if self.parents.is_empty() {
-            self.breeder.create(self.settings.population)
-        } else {
-            let children = self.settings.population - self.elite();
-            self.breeder.breed(&self.parents, &self.costs, children, self.generation as u64, self.improved)
-        };
+        self.asked = if self.parents.is_empty() { self.create() } else { self.breed() };
         &self.asked
     }
 
     fn tell(&mut self, costs: &[f64]) {
         assert_eq!(costs.len(), self.asked.len(), "one cost for each candidate asked");
-        let elite: Vec<usize> = ranking(&self.costs).into_iter().take(self.elite()).collect();
+        let elite: Vec<usize> = ranking(&self.costs).into_iter().take(self.settings.elite()).collect();
         let mut parents: Vec<Candidate> = elite.iter().map(|&i| self.parents[i].clone()).collect();
         let mut all: Vec<f64> = elite.iter().map(|&i| self.costs[i]).collect();
         parents.append(&mut self.asked);
@@ -94,60 +194,4 @@ impl Search for Genetic {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::optimiser::functions::{kinked, rosenbrock, run, sphere};
-
-    fn search(population: usize, generations: usize, seed: u64) -> (Genetic, Bounds) {
-        let bounds = Bounds::new(&[(-2.0, 2.0), (-2.0, 2.0)]);
-        (Genetic::new(&bounds, Settings { population, generations }, Seed(seed)), bounds)
-    }
-
-    #[test]
-    fn comes_near_the_optimum_of_three_functions_within_the_thesis_s_budget() {
-        for (function, enough) in [(sphere as fn(&[f64]) -> f64, 0.05), (rosenbrock, 0.5), (kinked, 1.0)] {
-            for seed in 0..20 {
-                let (mut genetic, bounds) = search(40, 10, seed);
-                let (best, evaluations) = run(&mut genetic, &bounds, function);
-                assert!(best.cost < enough, "seed {seed}: {best:?}");
-                assert_eq!(evaluations, 40 + 10 * 38);
-            }
-        }
-    }
-
-    #[test]
-    fn determinism_the_same_seed_gives_the_same_trace_and_another_does_not() {
-        let trace = |seed: u64| {
-            let (mut genetic, bounds) = search(12, 5, seed);
-            run(&mut genetic, &bounds, rosenbrock);
-            genetic.parents
-        };
-        assert_eq!(trace(5), trace(5));
-        assert_ne!(trace(5), trace(6));
-    }
-
-    #[test]
-    fn zero_generations_returns_the_best_of_the_first() {
-        let (mut genetic, bounds) = search(40, 0, 1);
-        let (best, evaluations) = run(&mut genetic, &bounds, sphere);
-        assert_eq!((evaluations, genetic.stop()), (40, Some(StopReason::BudgetUsed)));
-        assert!(best.cost.is_finite());
-    }
-
-    #[test]
-    fn a_cost_that_is_not_finite_never_wins() {
-        let (mut genetic, bounds) = search(40, 10, 1);
-        let (best, _) = run(&mut genetic, &bounds, |x| match x[0] {
-            a if a < -0.5 => f64::NAN,
-            a if a > 1.5 => f64::NEG_INFINITY,
-            _ => sphere(x),
-        });
-        assert!((best.cost - sphere(&best.candidate)).abs() < 1e-15 && best.cost < 0.05, "{best:?}");
-    }
-
-    #[test]
-    #[should_panic(expected = "cannot breed")]
-    fn a_population_too_small_to_breed_is_refused() {
-        let _ = search(3, 1, 1);
-    }
-}
+mod tests;

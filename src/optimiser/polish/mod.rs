@@ -1,3 +1,4 @@
 //! Local search from a good start.
 
+pub mod multistart;
 pub mod simplex;
