@@ -34,6 +34,8 @@ pub struct Params {
     pub current_offset_a: f64,
     /// The least change of current after a reversal that the valve answers, A.
     pub threshold_a: f64,
+    /// How long a value of the interference, a band-limited white noise, is held, s; 0 for the time step.
+    pub interference_sample_time_s: f64,
     /// Fixed gain or magnetic circuit.
     pub force_model: ForceModel,
     /// The magnetic circuit.
@@ -80,6 +82,8 @@ impl Params {
         checks.within("reference.torque_motor.hysteresis_a", self.hysteresis_a, 0.0, 1.0, "A");
         checks.within("reference.torque_motor.current_offset_a", self.current_offset_a, -1.0, 1.0, "A");
         checks.within("reference.torque_motor.threshold_a", self.threshold_a, 0.0, 1.0, "A");
+        let held_s = self.interference_sample_time_s;
+        checks.within("reference.torque_motor.interference_sample_time_s", held_s, 0.0, 1.0, "s");
         let c = &self.magnetic_circuit;
         let force_a = c.magnetomotive_force_a;
         checks.within("reference.torque_motor.magnetic_circuit.magnetomotive_force_a", force_a, 0.0, 1e4, "A");
