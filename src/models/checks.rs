@@ -128,6 +128,7 @@ impl ParamsError {
 pub(crate) struct Checks {
     errors: Vec<ParamsError>,
     limits: Vec<Limits>,
+    drawn: Vec<&'static str>,
 }
 
 impl Checks {
@@ -140,8 +141,37 @@ impl Checks {
         }
     }
 
+    /// As [`Checks::within`], where other values draw the range closer. While a value is known to be wrong the range is
+    /// the plain one: a wrong value draws nothing.
+    pub(crate) fn within_drawn(
+        &mut self,
+        name: &'static str,
+        value: f64,
+        plain: (f64, f64),
+        drawn: (f64, f64),
+        unit: &'static str,
+    ) {
+        self.drawn.push(name);
+        let (min, max) = if self.errors.is_empty() {
+            (plain.0.max(readable(drawn.0)), plain.1.min(readable(drawn.1)))
+        } else {
+            plain
+        };
+        self.within(name, value, min, max, unit);
+    }
+
+    /// The parameters whose range others draw closer.
+    pub(crate) fn drawn(&self) -> &[&'static str] {
+        &self.drawn
+    }
+
     /// The errors and the ranges, in the order of the checks.
     pub(crate) fn into_parts(self) -> (Vec<ParamsError>, Vec<Limits>) {
         (self.errors, self.limits)
     }
+}
+
+/// A computed bound to three digits, as it is told.
+fn readable(bound: f64) -> f64 {
+    format!("{bound:.2e}").parse().unwrap_or(bound)
 }

@@ -31,14 +31,17 @@ pub(super) static BUILT_IN: LazyLock<BuiltIn> = LazyLock::new(|| {
     BuiltIn { values, tree, limits, drawn_by_others }
 });
 
-/// The parameters whose range moves when all the values do.
+/// The parameters whose range moves when all the values do, or may be drawn closer.
 fn drawn_by_others(tree: &Tree, limits: &[Limits]) -> BTreeSet<&'static str> {
     let mut moved = tree.clone();
     move_numbers(&mut moved);
     let moved: Values = typed(&moved).expect("other numbers are of the same types");
-    let (_, others) = moved.check();
+    let checks = moved.checks();
+    let mut drawn: BTreeSet<&'static str> = checks.drawn().iter().copied().collect();
+    let (_, others) = checks.into_parts();
     let stays = |limits: &&Limits| others.contains(*limits);
-    limits.iter().filter(|limits| !stays(limits)).map(|limits| limits.name).collect()
+    drawn.extend(limits.iter().filter(|limits| !stays(limits)).map(|limits| limits.name));
+    drawn
 }
 
 fn move_numbers(tree: &mut Tree) {
@@ -209,13 +212,17 @@ fn typed<T: DeserializeOwned>(tree: &Tree) -> Result<T, (String, String)> {
 impl Values {
     /// Every value out of its range, and every range, in the order of a set.
     pub(super) fn check(&self) -> (Vec<ParamsError>, Vec<Limits>) {
+        self.checks().into_parts()
+    }
+
+    fn checks(&self) -> Checks {
         let mut checks = Checks::default();
         self.controller.check(&mut checks);
         self.torque_motor.check(&mut checks);
         self.jack.check(&mut checks);
-        self.reference.check(&mut checks);
+        self.reference.check(&self.torque_motor, &self.jack, &mut checks);
         self.monitoring.check(&mut checks);
-        checks.into_parts()
+        checks
     }
 }
 

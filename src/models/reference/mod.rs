@@ -11,11 +11,12 @@ pub mod oil;
 pub mod passages;
 pub mod pipe;
 pub mod second_stage;
+mod stability;
 pub mod torque_motor;
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Input, Shared, controller};
+use super::blocks::{self, Input, Shared, controller};
 use super::checks::Checks;
 use super::fault::Faults;
 
@@ -41,14 +42,19 @@ pub struct Params {
 }
 
 impl Params {
-    pub(crate) fn check(&self, checks: &mut Checks) {
-        checks.within("reference.time_step_s", self.time_step_s, 1e-7, 2e-5, "s");
-        self.torque_motor.check(checks);
+    pub(crate) fn check(
+        &self,
+        shared: &blocks::torque_motor::Params,
+        jack: &blocks::jack::Params,
+        checks: &mut Checks,
+    ) {
         self.first_stage.check(checks);
+        self.torque_motor.check(shared, &self.first_stage, checks);
         self.second_stage.check(checks);
-        self.fluid.check(checks);
         self.oil.check(checks);
+        self.fluid.check(jack, &self.second_stage, checks);
         self.friction.check(checks);
+        stability::check(self, shared, jack, checks);
     }
 }
 

@@ -2,12 +2,14 @@
 //!
 //! Source: section 4.1.3, figures 4.10 to 4.13, with the corrections of docs/conventions.md.
 //! Signs: each flow is positive from supply to chamber or from chamber to return.
-//! Range: any pressures; a flow is zero where its pressure drop is.
+//! Range: any pressures; a flow is zero where its pressure drop is, or is too small to be computed with (1e-200 Pa).
 //! Limits: one temperature; the same geometry at all four edges.
 
 use serde::{Deserialize, Serialize};
 
 use super::oil::Properties;
+use super::{second_stage, stability};
+use crate::models::blocks::jack;
 use crate::models::checks::Checks;
 
 /// Oil, passages and pipe capacities.
@@ -64,8 +66,11 @@ pub struct Params {
     pub vapour_pressure_pa: f64,
 }
 
+/// The least pressure drop that moves oil, Pa: below, the Reynolds number would underflow to zero, and the flow to 0/0.
+const DROP_MIN_PA: f64 = 1e-200;
+
 impl Params {
-    pub(crate) fn check(&self, checks: &mut Checks) {
+    pub(crate) fn check(&self, jack: &jack::Params, spool: &second_stage::Params, checks: &mut Checks) {
         let supply_min_pa = self.return_pressure_pa + 1e4;
         checks.within("reference.fluid.supply_pressure_pa", self.supply_pressure_pa, supply_min_pa, 1e9, "Pa");
         checks.within("reference.fluid.return_pressure_pa", self.return_pressure_pa, 0.0, 1e8, "Pa");
@@ -83,12 +88,14 @@ impl Params {
         checks.within("reference.fluid.transition_reynolds", self.transition_reynolds, 0.0, 1e5, "");
         let correction = self.discharge_geometry_correction;
         checks.within("reference.fluid.discharge_geometry_correction", correction, -0.9, 0.9, "");
-        checks.within("reference.fluid.bulk_modulus_pa", self.bulk_modulus_pa, 1e7, 1e11, "Pa");
-        checks.within("reference.fluid.chamber_volume_m3", self.chamber_volume_m3, 1e-6, 1.0, "m3");
+        checks.within("reference.fluid.bulk_modulus_pa", self.bulk_modulus_pa, 1e7, 1e10, "Pa");
         let leakage = self.leakage_m3_per_s_per_pa;
         checks.within("reference.fluid.leakage_m3_per_s_per_pa", leakage, 0.0, 1e-8, "m3/(s Pa)");
         let vapour_max_pa = self.return_pressure_pa.max(1.0);
         checks.within("reference.fluid.vapour_pressure_pa", self.vapour_pressure_pa, 0.0, vapour_max_pa, "Pa");
+        let volume_min_m3 = stability::chamber_volume_min_m3(self, jack, spool);
+        let volume_m3 = self.chamber_volume_m3;
+        checks.within_drawn("reference.fluid.chamber_volume_m3", volume_m3, (1e-6, 1.0), (volume_min_m3, 1.0), "m3");
     }
 }
 
@@ -182,10 +189,10 @@ impl Block {
     /// zero. `covered_m` (X0) is the covered length, negative where the passage is open.
     #[inline]
     fn flow(&self, covered_m: f64, drop_pa: f64) -> f64 {
-        if drop_pa == 0.0 {
+        let magnitude_pa = drop_pa.abs();
+        if magnitude_pa < DROP_MIN_PA {
             return 0.0;
         }
-        let magnitude_pa = drop_pa.abs();
         let opening_m = (-covered_m).max(0.0);
         let gap_squared_m2 = self.clearance_squared_m2 + opening_m * opening_m;
         let laminar = self.laminar_per_length * covered_m.max(0.0);
@@ -228,6 +235,18 @@ mod tests {
             let rq = p.density_kg_per_m3 / (2.0 * cd * cd * p.port_width_m.powi(2) * s2);
             let balance = rl * q + rq * q * q.abs();
             assert!((balance - drop_pa).abs() < 1e-9 * drop_pa.abs(), "{covered_m} {drop_pa}: {balance}");
+        }
+    }
+
+    #[test]
+    fn the_flow_vanishes_with_its_drop_and_is_a_number_at_every_drop() {
+        for transition_reynolds in [0.0, 260.0] {
+            let block = Block::new(&Params { transition_reynolds, ..params() });
+            for covered_m in [-1e-4, 0.0, 1e-4] {
+                let flows: Vec<f64> = (0..=330).map(|tens| block.flow(covered_m, 10f64.powi(9 - tens))).collect();
+                assert!(flows.windows(2).all(|two| two[1] <= two[0]), "{covered_m}: {flows:?}");
+                assert_eq!(flows[330], 0.0);
+            }
         }
     }
 
