@@ -7,11 +7,10 @@ use anyhow::{Context, anyhow};
 use clap::{Args, ValueEnum};
 
 use super::progress::Bar;
-use super::{Failure, print};
+use super::{Failure, parameter_sets, print};
 use crate::formats::{self, Format};
 use crate::models::drive::Drive;
 use crate::models::fault::Faults;
-use crate::models::parameters::ParameterSet;
 use crate::models::simulate::{ModelKind, Simulation, simulate};
 
 /// Arguments of `elevon simulate`.
@@ -45,6 +44,9 @@ pub struct SimulateArgs {
     /// Samples per second, 1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_negative_numbers = true)]
     sample_rate: f64,
+    /// The parameter set: `reference`, the built-in one, or a file such as config/actuators/reference.toml [default: reference]
+    #[arg(long, value_name = "NAME|FILE")]
+    parameters: Option<PathBuf>,
     /// Where to: .csv or .json by its extension; - is CSV on standard output
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -97,8 +99,9 @@ pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     if let Some(error) = recipe.check().into_iter().next() {
         return Err(Failure::usage(error));
     }
+    let set = parameter_sets::load(args.parameters.as_deref())?;
     let bar = Bar::new("simulating");
-    let trace = simulate(&recipe, &ParameterSet::reference(), &bar).map_err(Failure::work)?;
+    let trace = simulate(&recipe, &set, &bar).map_err(Failure::work)?;
     bar.finish();
     write(&args.out, &formats::write(format, &trace))
 }
