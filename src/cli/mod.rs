@@ -5,6 +5,7 @@
 mod demo;
 mod estimate;
 mod openapi;
+mod parameter_sets;
 mod progress;
 mod serve;
 mod simulate;

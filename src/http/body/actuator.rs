@@ -62,6 +62,7 @@ impl NewActuator {
             tail_number: errors.text("/tail_number", &self.tail_number, name, false),
             location: errors.text("/location", &self.location, name, false),
             parameter_set: parameter_set(self.parameter_set, &mut errors),
+            parameter_set_hash: ParameterSet::reference().hash().into(),
             thresholds: self.thresholds.unwrap_or_default().check(&mut errors),
             usage_unit: self.usage_unit.unwrap_or(UsageUnit::FlightHours),
             created_at: now,

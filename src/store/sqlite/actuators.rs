@@ -8,11 +8,11 @@ use crate::store::{Page, Paged, StoreError};
 
 const INSERT: &str = "INSERT INTO actuators
     (id, serial_number, tail_number, location, parameter_set, threshold_kgm, threshold_fdj_n, usage_unit, created_at,
-    revision) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
-const ONE: &str = "SELECT id, serial_number, tail_number, location, parameter_set, threshold_kgm, threshold_fdj_n,
-    usage_unit, created_at, revision FROM actuators WHERE id = ?1";
-pub(super) const LIST: &str = "SELECT id, serial_number, tail_number, location, parameter_set, threshold_kgm,
-    threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id > ?1 ORDER BY id LIMIT ?2";
+    revision, parameter_set_hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)";
+const ONE: &str = "SELECT id, serial_number, tail_number, location, parameter_set, parameter_set_hash,
+    threshold_kgm, threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id = ?1";
+pub(super) const LIST: &str = "SELECT id, serial_number, tail_number, location, parameter_set, parameter_set_hash,
+    threshold_kgm, threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id > ?1 ORDER BY id LIMIT ?2";
 
 pub(super) async fn insert(writer: &SqlitePool, actuator: &Actuator) -> Result<(), StoreError> {
     let inserted = sqlx::query(INSERT)
@@ -26,6 +26,7 @@ pub(super) async fn insert(writer: &SqlitePool, actuator: &Actuator) -> Result<(
         .bind(actuator.usage_unit.name())
         .bind(micros(actuator.created_at))
         .bind(actuator.revision)
+        .bind(&actuator.parameter_set_hash)
         .execute(writer)
         .await;
     match inserted {
@@ -57,6 +58,7 @@ pub(super) fn read(row: &SqliteRow) -> Result<Actuator, StoreError> {
         tail_number: row.value()?,
         location: row.value()?,
         parameter_set: row.value()?,
+        parameter_set_hash: row.value()?,
         thresholds: Thresholds { kgm: row.value()?, fdj_n: row.value()? },
         usage_unit: row.name()?,
         created_at: row.time()?,
