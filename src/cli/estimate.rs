@@ -8,8 +8,9 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::parameter_sets::Choice;
 use super::progress::{Bar, Part};
-use super::{Failure, first_of, parameter_sets, print, read_file, refused};
+use super::{Failure, first_of, print, read_file, refused};
 use crate::estimation::{Estimate, Settings, estimate};
 use crate::formats::{self, FormatError, ReadOptions};
 use crate::models::parameters::ParameterSet;
@@ -39,9 +40,8 @@ pub struct EstimateArgs {
     /// Samples per second of a file without times
     #[arg(long, value_name = "F")]
     sample_rate_hz: Option<f64>,
-    /// The parameter set: `reference`, the built-in one, or a file such as config/actuators/reference.toml [default: reference]
-    #[arg(long, value_name = "NAME|FILE")]
-    parameters: Option<PathBuf>,
+    #[command(flatten)]
+    parameters: Choice,
     /// One JSON document on standard output
     #[arg(long)]
     json: bool,
@@ -61,7 +61,7 @@ pub fn run(args: &EstimateArgs) -> Result<(), Failure> {
     let columns = ReadOptions::parse_columns(&args.columns).map_err(|errors| bad_input(&errors))?;
     let options = ReadOptions { columns, sample_rate_hz: args.sample_rate_hz };
     let settings = Settings { population: args.population, generations: args.generations, seed: args.seed };
-    let set = parameter_sets::load(args.parameters.as_deref())?;
+    let set = args.parameters.load()?;
     let bar = Bar::new("estimating");
     let parts = bar.parts(args.files.len());
     let reports: Vec<Report<'_>> = args

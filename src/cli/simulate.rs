@@ -7,8 +7,9 @@ use std::str::FromStr;
 use anyhow::{Context, anyhow};
 use clap::{Args, ValueEnum};
 
+use super::parameter_sets::Choice;
 use super::progress::Bar;
-use super::{Failure, parameter_sets, print};
+use super::{Failure, print};
 use crate::formats::{self, Format, ReadOptions};
 use crate::models::drive::{Drive, DriveError};
 use crate::models::fault::Faults;
@@ -54,9 +55,8 @@ pub struct SimulateArgs {
     /// Samples per second, 1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_negative_numbers = true)]
     sample_rate: f64,
-    /// The parameter set: `reference`, the built-in one, or a file such as config/actuators/reference.toml [default: reference]
-    #[arg(long, value_name = "NAME|FILE")]
-    parameters: Option<PathBuf>,
+    #[command(flatten)]
+    parameters: Choice,
     /// Where to: .csv or .json by its extension; - is CSV on standard output
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -152,7 +152,7 @@ pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     if let Some(error) = recipe.check().into_iter().next() {
         return Err(Failure::usage(error));
     }
-    let set = parameter_sets::load(args.parameters.as_deref())?;
+    let set = args.parameters.load()?;
     let bar = Bar::new("simulating");
     let trace = simulate(&recipe, &set, &bar).map_err(|error| match error {
         SimulationError::OutOfRange { .. } | SimulationError::Supply { .. } => Failure::usage(error),

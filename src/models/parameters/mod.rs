@@ -134,6 +134,29 @@ impl ParameterSet {
         Self::from_parts(name, reading::json(parameters))
     }
 
+    /// The same set with other values of some parameters, each by its name with its section.
+    ///
+    /// # Errors
+    /// As [`ParameterSet::from_parts`].
+    pub fn with(&self, changes: &[(String, String)]) -> Result<Self, Vec<ParamsError>> {
+        let mut tree = Tree::of(&self.values);
+        let mut errors = Vec::new();
+        for (name, text) in changes {
+            match tree.at_mut(name).filter(|_| name != "name") {
+                Some(place @ (Tree::Integer(_) | Tree::Float(_))) => {
+                    *place = text.trim().parse().map_or_else(|_| Tree::Text(text.clone()), Tree::Float);
+                }
+                Some(place @ Tree::Text(_)) => *place = Tree::Text(text.clone()),
+                _ => errors.push(reading::unknown(name)),
+            }
+        }
+        match Self::from_tree(tree) {
+            Ok(set) if errors.is_empty() => Ok(set),
+            Ok(_) => Err(errors),
+            Err(others) => Err(errors.into_iter().chain(others).collect()),
+        }
+    }
+
     fn from_tree(tree: Tree) -> Result<Self, Vec<ParamsError>> {
         let values = reading::values(tree)?;
         if Self::is_name(&values.name) {

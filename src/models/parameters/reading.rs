@@ -122,6 +122,21 @@ pub(super) fn values(mut tree: Tree) -> Result<Values, Vec<ParamsError>> {
     }
 }
 
+/// A name that is no parameter's, with what there is in the section that it names.
+pub(super) fn unknown(name: &str) -> ParamsError {
+    let (section, key) = name.rsplit_once('.').unwrap_or(("", name));
+    let tree = &BUILT_IN.tree;
+    let inside = if section.is_empty() { Some(tree) } else { tree.at(section) };
+    let names: Vec<&str> = match inside {
+        Some(Tree::Table(entries)) => {
+            entries.iter().map(|(key, _)| key.as_str()).filter(|key| *key != "name").collect()
+        }
+        _ => Vec::new(),
+    };
+    let expected = if names.is_empty() { "SECTION.NAME of a parameter set".into() } else { names.join(", ") };
+    ParamsError::Unknown { section: section.into(), key: key.into(), expected }
+}
+
 /// Reads a document and puts right what is wrong with it, noting it.
 struct Reader<'b> {
     built_in: &'b BuiltIn,
