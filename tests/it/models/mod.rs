@@ -1,6 +1,9 @@
 //! The models against the thesis and against each other.
 
+mod faults;
 mod features;
+mod friction;
 mod invariants;
 mod lanes;
+mod order;
 mod table_6_3;
