@@ -35,16 +35,20 @@ impl JobSpec {
     }
 }
 
-/// A simulation to run with the built-in reference parameters; its result is a trace.
+/// A simulation to run; its result is a trace.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = NewSimulation, example = json!({
-    "model": "reference", "command": "diagnostic", "faults": {"kgm": 0.2, "fdj_n": 500.0}, "noise_power": 5e-6,
-    "seed": 7, "duration_s": 1.0, "sample_rate_hz": 10000.0
+    "model": "reference", "parameter_set": "reference", "command": "diagnostic",
+    "faults": {"kgm": 0.2, "fdj_n": 500.0}, "noise_power": 5e-6, "seed": 7, "duration_s": 1.0, "sample_rate_hz": 10000.0
 }))]
 pub struct SimulationSpec {
     /// The model.
     pub model: ModelKind,
+    /// The parameter set: NAME, the version of that name that was kept last, or NAME@HASH, the one whose hash begins with
+    /// these 8 or more digits; `reference` unless told. The version is chosen when the job is accepted.
+    #[serde(default)]
+    pub parameter_set: Option<String>,
     /// The command: `diagnostic`, `step:0.1`, `ramp:0.1`, `sine:0.2@5` or `sequence:0.1@0,-0.05@0.5` (level@time); m, m/s,
     /// Hz, s.
     #[schema(min_length = 1, max_length = 10000)]
@@ -97,6 +101,7 @@ mod tests {
     fn a_spec_is_read_back_as_it_was_written() {
         let simulation = SimulationSpec {
             model: ModelKind::Reference,
+            parameter_set: Some("mine@0123456789".into()),
             command: "diagnostic".into(),
             faults: Faults { kgm: 0.1 + 0.2, ..Faults::default() },
             noise_power: 5e-6,

@@ -97,6 +97,7 @@ pub fn csv() -> Vec<u8> {
 pub fn simulation() -> JobSpec {
     JobSpec::Simulation(SimulationSpec {
         model: ModelKind::Monitoring,
+        parameter_set: None,
         command: "diagnostic".into(),
         faults: Faults::default(),
         noise_power: 0.0,
