@@ -1,5 +1,6 @@
 //! The models against the thesis and against each other.
 
 mod features;
+mod fluids;
 mod lanes;
 mod table_6_3;
