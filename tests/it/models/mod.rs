@@ -2,8 +2,10 @@
 
 mod faults;
 mod features;
+mod fluids;
 mod friction;
 mod invariants;
+
 mod lanes;
 mod order;
 mod table_6_3;
