@@ -12,6 +12,7 @@ use utoipa::ToSchema;
 
 use super::drive::{Drive, POSITION_MAX_M};
 use super::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
+use super::monitoring::fluid::FluidModel;
 use super::parameters::ParameterSet;
 use super::signal::Signal;
 use super::trace::{DURATION_MAX_S, SAMPLES_MIN, Trace};
@@ -78,6 +79,8 @@ pub struct Simulation {
     pub model: ModelKind,
     /// The command.
     pub command: Drive,
+    /// The monitoring model's fluid; the reference model has its own.
+    pub fluid: Option<FluidModel>,
     /// The faults.
     pub faults: Faults,
     /// External load on the jack beside the parameter set's constant one, N, within ±1e6; none without it.
@@ -107,6 +110,11 @@ pub enum SimulationError {
         /// Its range, with its unit.
         expected: &'static str,
     },
+    /// The reference model was asked for a fluid of the monitoring model's.
+    #[error(
+        "fluid: found one for the reference model, expected none: only the monitoring model has fluids to choose from"
+    )]
+    Fluid,
     /// The supply pressure is beyond what the parameter set allows.
     #[error("supply_pressure_pa: found {found}, expected at most {max} Pa, twice the parameter set's")]
     Supply {
@@ -127,12 +135,13 @@ pub enum SimulationError {
 }
 
 impl Simulation {
-    /// A run without noise, external load or another supply, its seed 1.
+    /// A run without noise, external load or another supply, its seed 1; the monitoring model with its developed fluid.
     #[must_use]
     pub fn new(model: ModelKind, command: Drive, faults: Faults, duration_s: f64, sample_rate_hz: f64) -> Self {
         Self {
             model,
             command,
+            fluid: None,
             faults,
             external_load_n: None,
             supply_pressure_pa: None,
@@ -192,6 +201,9 @@ impl Simulation {
         let samples = (duration_s * rate_hz).floor() + 1.0;
         let fits = (SAMPLES_MIN as f64..=SIMULATED_SAMPLES_MAX).contains(&samples);
         expect(fits, "duration_s times sample_rate_hz", samples, "10 to 600001 samples");
+        if self.model == ModelKind::Reference && self.fluid.is_some() {
+            errors.push(SimulationError::Fluid);
+        }
         errors
     }
 }
@@ -220,7 +232,8 @@ pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> R
             run(&model, recipe, &inputs, interference, watch)
         }
         ModelKind::Monitoring => {
-            let model = monitoring::Model::new(&set.shared(), set.monitoring_model());
+            let fluid = recipe.fluid.unwrap_or_default();
+            let model = monitoring::Model::with_fluid(&set.shared(), set.monitoring_model(), fluid);
             let candidate = model.candidate(recipe.faults.kgm, recipe.faults.fdj_n);
             run(&MonitoringPlant { model, candidate }, recipe, &inputs, Interference::none(), watch)
         }

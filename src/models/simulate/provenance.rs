@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{ModelKind, Quantity, Simulation};
 use crate::models::fault::Faults;
+use crate::models::monitoring::fluid::FluidModel;
 use crate::models::parameters::ParameterSet;
 
 /// The recipe of a simulated trace, its parameter set and the program's version.
@@ -13,6 +14,8 @@ pub struct Provenance {
     parameter_set: String,
     parameter_set_hash: String,
     model: ModelKind,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fluid: Option<FluidModel>,
     command: String,
     faults: Faults,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -38,6 +41,7 @@ impl Simulation {
             parameter_set: set.name().to_owned(),
             parameter_set_hash: set.hash().to_owned(),
             model: self.model,
+            fluid: (self.model == ModelKind::Monitoring).then(|| self.fluid.unwrap_or_default()),
             command: self.command.to_string(),
             faults: self.faults,
             external_load_n: constant(&self.external_load_n),

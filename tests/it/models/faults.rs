@@ -1,6 +1,5 @@
 //! Every fault that a run may have moves the signals as the thesis says.
 
-use elevon::models::drive::Drive;
 use elevon::models::fault::Faults;
 use elevon::models::parameters::ParameterSet;
 use elevon::models::simulate::{ModelKind, Simulation, simulate};
@@ -10,15 +9,8 @@ use elevon::numeric::watch::Unwatched;
 
 /// A run of the reference model at one sample a millisecond.
 pub fn run(set: &ParameterSet, faults: Faults, command: &str, duration_s: f64) -> Trace {
-    let recipe = Simulation {
-        model: ModelKind::Reference,
-        command: command.parse::<Drive>().unwrap(),
-        faults,
-        noise_power_ma2_s: 0.0,
-        seed: 1,
-        duration_s,
-        sample_rate_hz: 1000.0,
-    };
+    let command = command.parse().unwrap();
+    let recipe = Simulation::new(ModelKind::Reference, command, faults, duration_s, 1000.0);
     simulate(&recipe, set, &Unwatched).unwrap()
 }
 

@@ -34,7 +34,7 @@ fn diagnostic(fluid: FluidModel, kgm: f64, fdj_n: f64) -> Shown {
     let mut s = State::<f64>::start((), 0.0);
     let mut shown = Shown { features: (0.0, 0.0), stray_m_per_s: 0.0 };
     for k in 0..=511_000 {
-        let command_m = Drive::Diagnostic.position_m(f64::from(k) * TIME_STEP_S);
+        let command_m = Drive::Diagnostic.position_m(f64::from(k) * TIME_STEP_S, 6.0);
         s = model.step(&candidate, &s, &Input::command(command_m), TIME_STEP_S);
         if (180_000..=190_000).contains(&k) {
             shown.features.0 += s.servovalve_current_a * 1e3 / 10_001.0;

@@ -5,7 +5,6 @@ mod features;
 mod fluids;
 mod friction;
 mod invariants;
-
 mod lanes;
 mod order;
 mod table_6_3;
