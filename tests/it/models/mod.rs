@@ -6,4 +6,5 @@ mod friction;
 mod invariants;
 mod lanes;
 mod order;
+mod switches;
 mod table_6_3;
