@@ -7,4 +7,5 @@ mod friction;
 mod invariants;
 mod lanes;
 mod order;
+mod switches;
 mod table_6_3;
