@@ -7,6 +7,7 @@ mod house;
 mod http_actuators;
 mod http_health;
 mod http_jobs;
+mod http_parameter_sets;
 mod http_process;
 mod http_service;
 mod http_sockets;
