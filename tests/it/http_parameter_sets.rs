@@ -307,3 +307,24 @@ async fn a_simulation_is_pinned_to_its_version_when_it_is_accepted() {
         service.get(&format!("/v1/traces/{}", done.text("/result/trace_id"))).await.expect(StatusCode::OK);
     }
 }
+
+#[tokio::test]
+async fn sets_and_what_is_pinned_to_them_are_there_after_a_restart() {
+    let service = Service::new().await;
+    let older = kept(&service, "mine", 9.5).await;
+    let actuator = registered(&service, "A", "mine").await.expect(StatusCode::CREATED);
+    kept(&service, "mine", 9.6).await;
+    let paths = [PATH, actuator.header("location"), &format!("{PATH}/mine"), &format!("{PATH}/mine@{older}")];
+    let mut before = Vec::new();
+    for path in paths {
+        before.push(service.get(path).await.expect(StatusCode::OK).json());
+    }
+    let service = service.restarted().await;
+    for (path, before) in paths.into_iter().zip(before) {
+        assert_eq!(service.get(path).await.expect(StatusCode::OK).json(), before, "{path}");
+    }
+    let uploads = format!("{}/traces?{RECORDED}", actuator.header("location"));
+    service.post(&uploads, Some("text/csv"), still_csv()).await.expect(StatusCode::ACCEPTED);
+    service.work().await;
+    assert_eq!(service.get("/v1/jobs").await.text("/items/0/result/parameter_set_hash"), older);
+}

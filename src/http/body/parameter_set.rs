@@ -19,7 +19,7 @@ const NAMELESS: &str = "nameless";
 
 /// A parameter set to keep.
 #[derive(Debug, ToSchema)]
-#[schema(example = json!({"name": "aileron-servo", "parameters": {"controller": {"proportional_gain_a_per_m": 0.5235}}}))]
+#[schema(example = json!({"name": "aileron-servo", "parameters": {"controller": {"proportional_gain_a_per_m": 0.6}}}))]
 pub struct NewParameterSet {
     /// Its name: 1 to 64 of the characters A-Z, a-z, 0-9, `.`, `_` and `-`.
     #[schema(min_length = 1, max_length = 64, pattern = "^[A-Za-z0-9._-]+$")]

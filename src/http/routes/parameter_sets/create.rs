@@ -34,7 +34,7 @@ enum Form {
         description = "The set, of at most 1000000 bytes",
         content(
             (NewParameterSet = "application/json"),
-            (String = "application/toml", example = "name = \"aileron-servo\"\n\n[controller]\nproportional_gain_a_per_m = 0.5235\n")
+            (String = "application/toml", example = "name = \"aileron-servo\"\n\n[controller]\nproportional_gain_a_per_m = 0.6\n")
         )
     ),
     responses(
