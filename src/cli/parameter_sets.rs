@@ -7,7 +7,10 @@ use std::path::Path;
 use anyhow::{Context, anyhow};
 
 use super::Failure;
-use crate::models::parameters::{ParameterSet, TEXT_BYTES_MAX};
+use crate::models::parameters::ParameterSet;
+
+/// The longest file of a parameter set, bytes (chosen: a hundred times the built-in one).
+const FILE_BYTES_MAX: u64 = 1_000_000;
 
 /// The built-in set of this name, or else the set in this file; without one, the built-in reference set.
 pub(super) fn load(name_or_file: Option<&Path>) -> Result<ParameterSet, Failure> {
@@ -27,9 +30,9 @@ fn read(path: &Path) -> anyhow::Result<String> {
     let context = || format!("--parameters {name}: expected {} or a file", ParameterSet::reference_name());
     let mut bytes = Vec::new();
     let file = File::open(path).with_context(context)?;
-    file.take(TEXT_BYTES_MAX as u64 + 1).read_to_end(&mut bytes).with_context(context)?;
-    if bytes.len() > TEXT_BYTES_MAX {
-        return Err(anyhow!("{name}: found more than {TEXT_BYTES_MAX} bytes, expected a parameter set"));
+    file.take(FILE_BYTES_MAX + 1).read_to_end(&mut bytes).with_context(context)?;
+    if bytes.len() as u64 > FILE_BYTES_MAX {
+        return Err(anyhow!("{name}: found more than {FILE_BYTES_MAX} bytes, expected a parameter set"));
     }
     String::from_utf8(bytes).map_err(|error| {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
