@@ -15,4 +15,5 @@ mod http_support;
 mod http_uploads;
 mod jobs;
 mod models;
+mod parameter_files;
 mod store_contract;
