@@ -14,6 +14,8 @@ use crate::store::{Records, StoreError};
 
 /// The fewest digits of a hash that name a version.
 pub const HASH_CHARS_MIN: usize = 8;
+/// The most characters that are shown of what is no set's name.
+const SHOWN_CHARS_MAX: usize = 140;
 /// The digits of a whole hash.
 pub const HASH_CHARS: usize = 64;
 
@@ -93,7 +95,7 @@ pub async fn keep_built_in(records: &dyn Records) -> Result<(), StoreError> {
 /// # Errors
 /// A text that is neither, a set that is not kept, a hash that means several versions, a failing store.
 pub async fn find(records: &dyn Records, text: &str) -> Result<ParameterSetRecord, SetError> {
-    let found = || text.to_owned();
+    let found = || text.chars().take(SHOWN_CHARS_MAX).collect();
     let built_in = ParameterSet::reference();
     let (name, hash) = match text.split_once('@') {
         Some((name, hash)) if is_hash(hash) => (name, Some(hash)),

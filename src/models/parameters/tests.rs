@@ -87,6 +87,11 @@ fn a_bad_name_is_refused() {
         assert!(found[0].starts_with("name: found "), "{found:?}");
     }
     assert!(ParameterSet::is_name("Servo_2.b-1"));
+    let both = errors(&[("name = \"reference\"", "name = \"a b\""), ("mass_kg = 10.0", "mass_kg = -1.0")]);
+    assert!(
+        matches!(&both[..], [name, mass] if name.starts_with("name: ") && mass.starts_with("jack.mass_kg")),
+        "{both:?}"
+    );
 }
 
 #[test]
