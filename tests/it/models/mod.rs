@@ -1,5 +1,6 @@
 //! The models against the thesis and against each other.
 
+mod curves;
 mod features;
 mod fluids;
 mod lanes;
