@@ -1,5 +1,6 @@
 //! The models against the thesis and against each other.
 
+mod curves;
 mod faults;
 mod features;
 mod fluids;

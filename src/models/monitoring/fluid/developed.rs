@@ -81,6 +81,14 @@ impl Block {
         target_pa(&self.at_spool(spool_position_m, supply_factor), flow_m3_per_s)
     }
 
+    /// The flow at a spool position and a load pressure, m³/s.
+    #[must_use]
+    pub fn flow_m3_per_s(&self, spool_position_m: f64, load_pressure_pa: f64) -> f64 {
+        let at = self.at_spool(spool_position_m, 1.0);
+        let lost_pa = at.commanded_pa - load_pressure_pa;
+        (lost_pa.abs() / at.loss).sqrt().copysign(lost_pa)
+    }
+
     /// The load pressure after a step with the lag taken implicitly, Pa.
     #[inline(always)]
     pub fn step<L: Lane>(

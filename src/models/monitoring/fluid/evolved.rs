@@ -40,4 +40,11 @@ impl Block {
         let reach_m = spool_position_m.abs().max(spool_position_m.same(self.spool_saturation_m)) + self.leakage_m;
         (spool_position_m * supply_pa - flow_m3_per_s * self.loss_pa_s_per_m2) / reach_m
     }
+
+    /// The flow at a spool position and a load pressure, m³/s.
+    #[must_use]
+    pub fn flow_m3_per_s(&self, spool_position_m: f64, load_pressure_pa: f64) -> f64 {
+        let reach_m = spool_position_m.abs().max(self.spool_saturation_m) + self.leakage_m;
+        (spool_position_m * self.supply_pa - load_pressure_pa * reach_m) / self.loss_pa_s_per_m2
+    }
 }

@@ -37,4 +37,10 @@ impl Block {
         let load_pa = spool_position_m * gain_pa_per_m - flow_m3_per_s * self.pressure_per_flow;
         load_pa.clip(load_pa.same(self.supply_pa * supply_factor))
     }
+
+    /// The flow at a spool position and a load pressure, m³/s: QJ = GQ (XS - P12/GP), the section's second relation.
+    #[must_use]
+    pub fn flow_m3_per_s(&self, spool_position_m: f64, load_pressure_pa: f64) -> f64 {
+        (spool_position_m * self.pressure_gain_pa_per_m - load_pressure_pa) / self.pressure_per_flow
+    }
 }

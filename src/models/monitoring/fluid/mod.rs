@@ -138,6 +138,18 @@ impl Block {
         }
     }
 
+    /// The flow at a spool position and a load pressure at the set's supply, m³/s: the steady pressure's inverse.
+    #[must_use]
+    pub fn flow_m3_per_s(&self, spool_position_m: f64, load_pressure_pa: f64) -> f64 {
+        match self {
+            Self::Linear(block) => block.flow_m3_per_s(spool_position_m, load_pressure_pa),
+            Self::Evolved(block) => block.flow_m3_per_s(spool_position_m, load_pressure_pa),
+            Self::DevelopedWithoutLag(block) | Self::Developed(block) => {
+                block.flow_m3_per_s(spool_position_m, load_pressure_pa)
+            }
+        }
+    }
+
     /// The load pressure after a step, Pa.
     #[inline(always)]
     pub fn step<L: Lane>(

@@ -104,6 +104,20 @@ fn validate_section_5_2_the_supply_scales_the_pressure_and_not_what_the_flow_cos
 }
 
 #[test]
+fn the_flow_is_the_steady_pressure_s_inverse() {
+    for fluid in FluidModel::ALL {
+        let block = Block::new(&params(), fluid);
+        for (xs, q) in [(20e-6, 3e-6), (-30e-6, 1e-6), (300e-6, 4e-5), (100e-6, -1e-7)] {
+            let load_pa = block.steady_pa(xs, q, 1.0);
+            if load_pa.abs() < PSR {
+                let found = block.flow_m3_per_s(xs, load_pa);
+                assert!((found - q).abs() < 1e-6 * q.abs(), "{fluid:?} at {xs}: {found}, expected {q}");
+            }
+        }
+    }
+}
+
+#[test]
 fn every_fluid_is_odd_in_spool_position_and_flow() {
     for fluid in FluidModel::ALL {
         for (xs, q) in POINTS {
