@@ -6,6 +6,7 @@ mod demo;
 mod estimate;
 mod openapi;
 mod progress;
+mod reproduce;
 mod serve;
 mod simulate;
 
@@ -34,6 +35,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Estimate faults from traces, without a server
     Estimate(estimate::EstimateArgs),
+    /// Make the thesis's tables and figures again, ours beside the thesis's
+    Reproduce(reproduce::ReproduceArgs),
     /// Print the HTTP interface's specification as YAML
     Openapi,
 }
@@ -45,6 +48,7 @@ impl Command {
             Self::Demo(args) => demo::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
+            Self::Reproduce(args) => reproduce::run(&args),
             Self::Openapi => openapi::run(),
         }
     }
