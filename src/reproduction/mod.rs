@@ -88,7 +88,7 @@ impl Name {
             Self::SingleKgm | Self::SingleFdj => 5,
             Self::Table63 | Self::Table72 => 25,
             Self::TableClearance => 50,
-            Self::TableNoise => 275,
+            Self::TableNoise => 325,
             Self::Responses => 60,
         }
     }

@@ -249,7 +249,7 @@ mod tests {
         assert_eq!(told(0.0, 2.0), ["0.0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(told(-23.0, 41.0), ["−20", "−10", "0", "10", "20", "30", "40"]);
         assert_eq!(told(9.41, 9.44), ["9.410", "9.415", "9.420", "9.425", "9.430", "9.435", "9.440"]);
-        assert_eq!(told(3.0, 3.0).len(), 1);
+        assert!(!told(3.0, 3.0).is_empty(), "a line without height has a scale too");
     }
 
     #[test]

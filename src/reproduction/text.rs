@@ -92,7 +92,7 @@ pub fn columns(rows: &[Row]) -> Vec<Column> {
     for (at, Comparison { quantity, thesis_error_percent, .. }) in rows[0].quantities.iter().enumerate() {
         let name = named(quantity);
         let of = |what: &str, cell: &dyn Fn(&Comparison) -> String| {
-            of(&format!("{name} {what}"), &|row| row.quantities.get(at).map_or_else(String::new, cell))
+            of(format!("{name} {what}").trim(), &|row| row.quantities.get(at).map_or_else(String::new, cell))
         };
         let is_estimate = thesis_error_percent.is_some();
         let has_thesis = rows.iter().any(|row| row.quantities[at].thesis.is_some());
@@ -124,6 +124,10 @@ pub fn told(table: &Table) -> String {
     for (quantity, thesis, ours) in largest_errors(table) {
         let thesis = thesis.map_or_else(String::new, |error| format!("; the thesis's {error:.3} %"));
         lines.push(format!("Largest error of {}: {} %{thesis}", named(quantity), percent(ours)));
+    }
+    if let Some((thesis, ours)) = table.largest_kgm_off() {
+        let thesis = thesis.map_or_else(String::new, |off| format!("; the thesis's by {off:.4}"));
+        lines.push(format!("KGM is off by at most {ours:.4}{thesis}"));
     }
     lines.extend(table.notes.iter().cloned());
     lines.extend(table.claims.iter().map(judged));
@@ -189,7 +193,8 @@ mod tests {
                         \u{20}                                   %      %\n\
                         \u{20}  1  0.1   200  0.1100       –  10.000      –\n\
                         \u{20}  2  0.1   200  0.1100  0.1010  10.000  1.000\n\n\
-                        Largest error of KGM: 1.000 %; the thesis's 10.000 %\nA note.\n\
+                        Largest error of KGM: 1.000 %; the thesis's 10.000 %\n\
+                        KGM is off by at most 0.0010; the thesis's by 0.0100\nA note.\n\
                         7.2 differs. The thesis: It is small. Ours: It is. Why: Because.\n\n";
         assert_eq!(told(&table), expected);
     }

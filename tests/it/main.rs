@@ -14,4 +14,5 @@ mod http_support;
 mod http_uploads;
 mod jobs;
 mod models;
+mod reproduction;
 mod store_contract;

@@ -148,7 +148,7 @@ pub fn table(set: &ParameterSet, watch: &dyn Watch) -> Result<Table, Reproductio
     let (rows, notes) = told::rows(&responses);
     let title = "Responses to a step, a ramp and a sine (chapters 5 and 6)";
     let mut table = Table::new(Name::Responses, title, rows, notes);
-    table.claims = judged::claims(&responses);
+    table.claims = judged::claims(&responses, set.shared().jack.area_m2);
     table.figures = drawn::figures(&responses);
     Ok(table)
 }
