@@ -7,6 +7,7 @@ mod estimate;
 mod openapi;
 mod parameter_sets;
 mod progress;
+mod reproduce;
 mod serve;
 mod simulate;
 
@@ -39,6 +40,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Estimate faults from traces, without a server
     Estimate(estimate::EstimateArgs),
+    /// Make the thesis's tables and figures again, ours beside the thesis's
+    Reproduce(reproduce::ReproduceArgs),
     /// Print the HTTP interface's specification as YAML
     Openapi,
 }
@@ -50,6 +53,7 @@ impl Command {
             Self::Demo(args) => demo::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
+            Self::Reproduce(args) => reproduce::run(&args),
             Self::Openapi => openapi::run(),
         }
     }

@@ -16,5 +16,6 @@ mod http_uploads;
 mod jobs;
 mod models;
 mod parameter_files;
+mod reproduction;
 mod simulate;
 mod store_contract;
