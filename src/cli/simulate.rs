@@ -15,7 +15,7 @@ use crate::models::drive::{Drive, DriveError};
 use crate::models::fault::Faults;
 use crate::models::monitoring::fluid::FluidModel;
 use crate::models::signal::Signal;
-use crate::models::simulate::{ModelKind, Quantity, Simulation, SimulationError, simulate};
+use crate::models::simulate::{ModelKind, Quantity, Simulation, simulate};
 use crate::models::trace::Channel;
 
 /// Arguments of `elevon simulate`.
@@ -174,17 +174,13 @@ fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
 pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let format = output_format(&args.out)?;
     let recipe = recipe(args)?;
-    if let Some(error) = recipe.check().into_iter().next() {
-        return Err(Failure::usage(error));
-    }
     let set = args.parameters.load()?;
+    let errors: Vec<String> = recipe.check(&set).iter().map(ToString::to_string).collect();
+    if !errors.is_empty() {
+        return Err(Failure::usage(anyhow!("{}", errors.join("; "))));
+    }
     let bar = Bar::new("simulating");
-    let trace = simulate(&recipe, &set, &bar).map_err(|error| match error {
-        SimulationError::OutOfRange { .. } | SimulationError::Fluid | SimulationError::Supply { .. } => {
-            Failure::usage(error)
-        }
-        SimulationError::Diverged { .. } | SimulationError::Cancelled => Failure::work(error),
-    })?;
+    let trace = simulate(&recipe, &set, &bar).map_err(Failure::work)?;
     bar.finish();
     write(&args.out, &formats::write_with(format, &trace, &recipe.provenance(&set).to_json()))
 }

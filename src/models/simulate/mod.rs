@@ -28,6 +28,8 @@ use recorder::Recorder;
 pub const SAMPLE_RATE_MAX_HZ: f64 = 1e5;
 /// The most samples that a simulation may make: ten minutes at 1 kHz, both ends included.
 pub const SIMULATED_SAMPLES_MAX: f64 = 600_001.0;
+/// The most supply pressure over the parameter set's.
+const SUPPLY_FACTOR_MAX: f64 = 2.0;
 /// The most external load, N.
 const LOAD_MAX_N: f64 = 1e6;
 /// Steps between two looks at the watch.
@@ -134,6 +136,19 @@ pub enum SimulationError {
     Cancelled,
 }
 
+impl SimulationError {
+    /// The field at fault, where it is one.
+    #[must_use]
+    pub fn field(&self) -> Option<&'static str> {
+        match self {
+            Self::OutOfRange { name, .. } => Some(name),
+            Self::Fluid => Some("fluid"),
+            Self::Supply { .. } => Some("supply_pressure_pa"),
+            Self::Diverged { .. } | Self::Cancelled => None,
+        }
+    }
+}
+
 impl Simulation {
     /// A run without noise, external load or another supply, its seed 1; the monitoring model with its developed fluid.
     #[must_use]
@@ -152,9 +167,9 @@ impl Simulation {
         }
     }
 
-    /// Every field that is out of its range; empty when the recipe can be run.
+    /// Every field that is out of its range; empty when the recipe can be run with this parameter set.
     #[must_use]
-    pub fn check(&self) -> Vec<SimulationError> {
+    pub fn check(&self, set: &ParameterSet) -> Vec<SimulationError> {
         let mut errors = Vec::new();
         let mut expect = |holds: bool, name, found, expected| {
             if !holds {
@@ -204,6 +219,11 @@ impl Simulation {
         if self.model == ModelKind::Reference && self.fluid.is_some() {
             errors.push(SimulationError::Fluid);
         }
+        let max = SUPPLY_FACTOR_MAX * set.reference_model().fluid.supply_pressure_pa;
+        let (_, found) = range(self.supply_pressure_pa.as_ref());
+        if found > max {
+            errors.push(SimulationError::Supply { found, max });
+        }
         errors
     }
 }
@@ -219,10 +239,10 @@ fn range(quantity: Option<&Quantity>) -> (f64, f64) {
 /// # Errors
 /// The first field out of its range, a model that diverged, or cancellation by `watch`.
 pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> Result<Trace, SimulationError> {
-    if let Some(error) = recipe.check().into_iter().next() {
+    if let Some(error) = recipe.check(set).into_iter().next() {
         return Err(error);
     }
-    let inputs = Inputs::new(recipe, set)?;
+    let inputs = Inputs::new(recipe, set);
     match recipe.model {
         ModelKind::Reference => {
             let own = set.reference_model();
@@ -324,7 +344,8 @@ mod tests {
         bad.noise_power_ma2_s = 5e-6;
         bad.duration_s = -1.0;
         bad.sample_rate_hz = 0.0;
-        assert_eq!(bad.check().len(), 9, "{:?}", bad.check());
+        let errors = bad.check(&ParameterSet::reference());
+        assert_eq!(errors.len(), 9, "{errors:?}");
     }
 
     #[test]

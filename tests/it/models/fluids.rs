@@ -9,8 +9,7 @@ use elevon::models::monitoring::fluid::FluidModel;
 use elevon::models::monitoring::{Model, State};
 use elevon::models::parameters::ParameterSet;
 use elevon::numeric::lane::{Both, Lanes, Register};
-
-use super::table_6_3::TABLE_6_3;
+use elevon::reproduction::thesis::{TABLE_6_3, cases};
 
 const TIME_STEP_S: f64 = 1e-5;
 
@@ -52,7 +51,7 @@ fn validate_chapter_5_each_fluid_settles_in_the_closed_loop_at_the_reference_mod
     // The current within this part of Table 6.3, the pressure within 0.1 %: the cruder the fluid, the less a current
     // fits every friction.
     for (fluid, within) in [(FluidModel::Linear, 0.06), (FluidModel::Evolved, 0.04), (FluidModel::Developed, 0.02)] {
-        TABLE_6_3.par_iter().for_each(|&(kgm, fdj_n, thesis_ma, thesis_kpa)| {
+        cases().par_iter().zip(TABLE_6_3).for_each(|(&(kgm, fdj_n), (thesis_ma, thesis_kpa))| {
             let Shown { features: (current_ma, pressure_kpa), stray_m_per_s } = diagnostic(fluid, kgm, fdj_n);
             let (current, pressure) = (current_ma / thesis_ma - 1.0, pressure_kpa / thesis_kpa - 1.0);
             println!("{fluid:?} {kgm} {fdj_n}: {current:+.4} {pressure:+.5} {stray_m_per_s:.1e}");
