@@ -5,6 +5,7 @@ mod faults;
 mod features;
 mod fluids;
 mod friction;
+mod independent;
 mod invariants;
 mod lanes;
 mod order;
