@@ -34,6 +34,14 @@ pub enum ApiError {
         /// What was given as its id.
         id: String,
     },
+    /// No record has this name.
+    #[error("no {what} is named {name:?}")]
+    NotNamed {
+        /// The kind of record.
+        what: &'static str,
+        /// What was given as its name.
+        name: String,
+    },
     /// The request cannot be read: unknown names, wrong types, broken syntax.
     #[error("the request cannot be read: {}", summary(.0))]
     Malformed(Vec<FieldError>),
@@ -156,7 +164,7 @@ impl ApiError {
         match self {
             Self::UnknownPath => (StatusCode::NOT_FOUND, "unknown-path", "Unknown path"),
             Self::ForeignHost { .. } => (StatusCode::MISDIRECTED_REQUEST, "foreign-host", "Foreign host"),
-            Self::NotFound { .. } => (StatusCode::NOT_FOUND, "not-found", "No such record"),
+            Self::NotFound { .. } | Self::NotNamed { .. } => (StatusCode::NOT_FOUND, "not-found", "No such record"),
             Self::Malformed(_) => (StatusCode::BAD_REQUEST, "malformed-request", "Malformed request"),
             Self::EmptyBody { .. } => (StatusCode::BAD_REQUEST, "empty-body", "Empty body"),
             Self::BrokenBody => (StatusCode::BAD_REQUEST, "broken-body", "Incomplete body"),

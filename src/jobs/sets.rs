@@ -30,9 +30,15 @@ pub enum SetError {
         /// What was given.
         found: String,
     },
-    /// No set, or no version of it, has this name.
+    /// No set has this name.
     #[error("found {found:?}, expected {} or a set that the service keeps", ParameterSet::reference_name())]
     Unknown {
+        /// What was given.
+        found: String,
+    },
+    /// No version of a set has this hash, or there is no such set at all.
+    #[error("found {found:?}, expected a set and the hash of a version of it that the service keeps")]
+    UnknownVersion {
         /// What was given.
         found: String,
     },
@@ -113,7 +119,7 @@ pub async fn find(records: &dyn Records, text: &str) -> Result<ParameterSetRecor
     match (versions.pop(), versions.is_empty()) {
         (Some(only), true) => Ok(only),
         (Some(_), false) => Err(SetError::Ambiguous { found: found() }),
-        (None, _) => Err(SetError::Unknown { found: found() }),
+        (None, _) => Err(SetError::UnknownVersion { found: found() }),
     }
 }
 

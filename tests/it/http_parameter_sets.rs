@@ -187,7 +187,9 @@ async fn a_set_that_is_not_there_is_not_found_and_a_bad_hash_is_named() {
     let hash = kept(&service, "mine", 9.5).await;
     for path in ["none", "MINE", "mine?hash=0000000000", &format!("reference?hash={hash}"), "a%20b", "mine@xyz", "%FF"]
     {
-        service.get(&format!("{PATH}/{path}")).await.expect_problem(404, &[]);
+        let refused = service.get(&format!("{PATH}/{path}")).await.expect_problem(404, &[]);
+        let detail = refused.text("/detail");
+        assert!(path == "%FF" || detail.starts_with("no parameter set is named "), "{detail}");
     }
     for hash in ["", "0123456", "ABCDEF01", &"0".repeat(65)] {
         service.get(&format!("{PATH}/mine?hash={hash}")).await.expect_problem(400, &["?hash"]);
@@ -243,7 +245,7 @@ async fn an_actuator_or_a_simulation_of_an_unknown_or_unusable_set_is_refused_wi
         ("none", "found \"none\", expected reference or a set that the service keeps"),
         ("a b", "expected NAME or NAME@HASH"),
         ("reference@123", "expected NAME or NAME@HASH"),
-        ("reference@00000000", "expected reference or a set"),
+        ("reference@00000000", "expected a set and the hash of a version of it that the service keeps"),
         ("old", "jack.area_m2: missing"),
     ] {
         let refused =

@@ -45,10 +45,11 @@ pub(super) async fn get_parameter_set(
     headers: HeaderMap,
 ) -> ApiResult<Response> {
     let text = version.hash.iter().fold(name.text().to_owned(), |name, hash| format!("{name}@{hash}"));
-    let record = sets::find(app.records.as_ref(), &text).await.map_err(|error| match error {
+    let record = sets::find(app.records.as_ref(), &text).await;
+    let record = record.map_err(|error| match error {
         SetError::Store(error) => error.into(),
         SetError::Ambiguous { .. } => ApiError::invalid("?hash", error.to_string()),
-        _ => ApiError::not_found("parameter set", &text),
+        _ => ApiError::NotNamed { what: "parameter set", name: text },
     })?;
     let usable = sets::usable(&record).ok();
     let forms = if usable.is_some() { &[(JSON, false), (TOML, true)][..] } else { &[(JSON, false)] };
