@@ -5,6 +5,7 @@
 mod demo;
 mod estimate;
 mod openapi;
+mod parameters;
 mod progress;
 mod serve;
 mod simulate;
@@ -34,6 +35,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Estimate faults from traces, without a server
     Estimate(estimate::EstimateArgs),
+    /// Show a parameter set, check one, or fit its monitoring model to its reference model
+    Parameters(parameters::ParametersArgs),
     /// Print the HTTP interface's specification as YAML
     Openapi,
 }
@@ -45,6 +48,7 @@ impl Command {
             Self::Demo(args) => demo::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
+            Self::Parameters(args) => parameters::run(&args),
             Self::Openapi => openapi::run(),
         }
     }

@@ -2,6 +2,7 @@
 
 mod curves;
 mod features;
+mod fit;
 mod fluids;
 mod lanes;
 mod table_6_3;
