@@ -5,5 +5,9 @@
 //! Everything here is pure computation on a parameter set.
 
 pub mod curves;
+pub mod derived;
+pub mod diagnostic;
+pub mod fit;
+pub mod report;
 pub mod settling;
 pub mod valve;

@@ -5,6 +5,8 @@
 //! Range: any spool position and flow; pressures from the vapour pressure to [`PRESSURE_MAX_PA`].
 //! Limits: the steady state where a chamber cavitates is the pressure's: the vapour goes on growing.
 
+use rayon::prelude::*;
+
 use crate::models::parameters::ParameterSet;
 use crate::models::reference::passages::{self, Flows};
 use crate::models::reference::{oil, pipe};
@@ -118,6 +120,12 @@ impl Valve {
             if above { high = middle } else { low = middle }
         }
         at_absorbed(0.5 * (low + high))
+    }
+
+    /// The load pressures in the long run without any flow to the jack, Pa.
+    #[must_use]
+    pub fn zero_flow_pa(&self, spool_positions_m: &[f64]) -> Vec<f64> {
+        spool_positions_m.par_iter().map(|&x| self.steady(x, 0.0).load_pressure_pa()).collect()
     }
 
     /// The pressure at which a chamber's net inflow, which falls with it, is zero; the vapour pressure where the inflow

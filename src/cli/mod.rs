@@ -6,6 +6,7 @@ mod demo;
 mod estimate;
 mod openapi;
 mod parameter_sets;
+mod parameters;
 mod progress;
 mod reproduce;
 mod serve;
@@ -42,6 +43,8 @@ enum Command {
     Estimate(estimate::EstimateArgs),
     /// Make the thesis's tables and figures again, ours beside the thesis's
     Reproduce(reproduce::ReproduceArgs),
+    /// Show a parameter set, check one, or fit its monitoring model to its reference model
+    Parameters(parameters::ParametersArgs),
     /// Print the HTTP interface's specification as YAML
     Openapi,
 }
@@ -54,6 +57,7 @@ impl Command {
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
             Self::Reproduce(args) => reproduce::run(&args),
+            Self::Parameters(args) => parameters::run(&args),
             Self::Openapi => openapi::run(),
         }
     }

@@ -102,7 +102,8 @@ impl Params {
     }
 
     /// Stiffness of the magnetic spring over the gain GM, A/m; zero with the fixed gain.
-    pub(super) fn spring_a_per_m(&self) -> f64 {
+    #[must_use]
+    pub fn spring_a_per_m(&self) -> f64 {
         match self.force_model {
             ForceModel::FixedGain => 0.0,
             ForceModel::MagneticCircuit => self.magnetic_circuit.current_per_displacement_a_per_m(),

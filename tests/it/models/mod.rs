@@ -3,6 +3,7 @@
 mod curves;
 mod faults;
 mod features;
+mod fit;
 mod fluids;
 mod friction;
 mod independent;
