@@ -9,7 +9,7 @@ use super::text::escaped;
 /// Width and height, in units of a pixel on a desk.
 const SIZE: (f64, f64) = (460.0, 312.0);
 /// What the frame leaves free at the left, the right and below.
-const MARGINS: (f64, f64, f64) = (58.0, 14.0, 44.0);
+const MARGINS: (f64, f64, f64) = (58.0, 20.0, 44.0);
 /// The height of a line of letters, and the width of an average one.
 const LETTERS: (f64, f64) = (21.0, 7.6);
 /// How far a drawn line may be from its points.
