@@ -90,7 +90,12 @@ pub fn change_percent(values: &[f64]) -> f64 {
 /// Values for a sentence, with this many decimals.
 #[must_use]
 pub fn listed(values: &[f64], decimals: usize) -> String {
-    values.iter().map(|value| format!("{value:.decimals$}")).collect::<Vec<_>>().join(", ")
+    let told = |value: &f64| {
+        let text = format!("{value:.decimals$}");
+        // What rounds to nothing has no sign.
+        if text.bytes().all(|b| matches!(b, b'-' | b'0' | b'.')) { text.replace('-', "") } else { text }
+    };
+    values.iter().map(told).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -123,6 +128,9 @@ mod tests {
     #[test]
     fn a_trend_is_one_only_if_every_level_follows_it() {
         assert!(grows(&[1.0, 2.0, 2.5]) && !grows(&[1.0, 2.0, 2.0]) && falls(&[3.0, 2.0]) && !falls(&[3.0, 2.0, 2.5]));
-        assert_eq!((change_percent(&[2.0, 9.0, 3.0]), listed(&[1.0, 0.126], 2).as_str()), (50.0, "1.00, 0.13"));
+        assert_eq!(
+            (change_percent(&[2.0, 9.0, 3.0]), listed(&[1.0, 0.126, -0.001], 2).as_str()),
+            (50.0, "1.00, 0.13, 0.00")
+        );
     }
 }

@@ -3,13 +3,13 @@
 
 use std::fmt::Write;
 
-use super::figure::{Figure, Look};
+use super::figure::{Figure, Line, Look};
 use super::text::escaped;
 
 /// Width and height, in units of a pixel on a desk.
 const SIZE: (f64, f64) = (460.0, 312.0);
 /// What the frame leaves free at the left, the right and below.
-const MARGINS: (f64, f64, f64) = (58.0, 14.0, 44.0);
+const MARGINS: (f64, f64, f64) = (58.0, 20.0, 44.0);
 /// The height of a line of letters, and the width of an average one.
 const LETTERS: (f64, f64) = (21.0, 7.6);
 /// How far a drawn line may be from its points.
@@ -80,7 +80,7 @@ fn drawn(figure: &Figure, attributes: &str, first: &str) -> String {
     let (legend, top) = legend(figure);
     let x = Scale::new(figure.abscissae.iter().map(|v| v * figure.x.factor), 0.0, (MARGINS.0, SIZE.0 - MARGINS.1));
     let all = figure.lines.iter().flat_map(|line| line.values.iter().map(|v| v * figure.y.factor));
-    let y = Scale::new(all, 0.05, (SIZE.1 - MARGINS.2, top + 8.0));
+    let y = Scale::new(all, 0.05, (SIZE.1 - MARGINS.2, top + 13.0));
     let mut svg = format!(
         "<svg{attributes} viewBox=\"0 0 {} {}\" class=\"plot\" role=\"img\" aria-label=\"{}\" font-family=\"sans-serif\" \
          font-size=\"14\">\n{first}",
@@ -90,7 +90,13 @@ fn drawn(figure: &Figure, attributes: &str, first: &str) -> String {
     );
     svg += &legend;
     svg += &axes(figure, &x, &y);
-    for line in &figure.lines {
+    // Of a scale of levels the last is drawn first: where they grow, it would hide the others.
+    let is_scale = figure.lines.iter().all(|line| matches!(line.look, Look::Level(_)));
+    let mut lines: Vec<&Line> = figure.lines.iter().collect();
+    if is_scale {
+        lines.reverse();
+    }
+    for line in lines {
         let points = figure.abscissae.iter().zip(&line.values);
         let points: Vec<(f64, f64)> =
             points.map(|(a, b)| (x.at(a * figure.x.factor), y.at(b * figure.y.factor))).collect();
@@ -112,7 +118,7 @@ fn legend(figure: &Figure) -> (String, f64) {
     let (mut x, mut y) = (4.0, 15.0 + LETTERS.0);
     if !figure.legend.is_empty() {
         let _ = writeln!(svg, "<text x=\"{x}\" y=\"{y}\">{}</text>", escaped(figure.legend));
-        x += width(figure.legend) + 10.0;
+        x += width(figure.legend) + 18.0;
     }
     for line in figure.lines.iter().filter(|line| !line.label.is_empty()) {
         let wide = 28.0 + width(&line.label);

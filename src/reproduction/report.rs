@@ -7,7 +7,7 @@ use super::differences::DIFFERENCES;
 use super::figure::Figure;
 use super::plot;
 use super::table::{Row, Table};
-use super::text::{columns, escaped, largest_errors, named, number, percent, same_quantities};
+use super::text::{Column, columns, escaped, largest_errors, named, number, percent, same_quantities};
 
 const STYLE: &str = include_str!("report.css");
 
@@ -42,19 +42,20 @@ pub fn page(tables: &[Table], parameter_set_hash: &str) -> String {
 fn summary(tables: &[Table]) -> String {
     let mut rows = String::new();
     for table in tables {
-        let link = format!("<a href=\"#{}\">{}</a>", table.name.name(), escaped(table.title));
+        let is_estimate = |quantity| table.of(quantity).any(|c| c.thesis_error_percent.is_some());
+        let mut lines: Vec<[String; 3]> = Vec::new();
         for (quantity, thesis, ours) in largest_errors(table) {
-            let is_estimate = table.of(quantity).any(|c| c.thesis_error_percent.is_some());
-            let thesis = if is_estimate { percent(thesis) } else { "the measure".into() };
-            let name = named(quantity);
-            let name =
-                name.split(',').filter(|part| !matches!(part.trim(), "mA" | "kPa" | "N")).collect::<Vec<_>>().join(",");
-            let ours = percent(ours);
-            let _ = writeln!(rows, "<tr><td>{link}</td><td>{name}, %</td><td>{thesis}</td><td>{ours}</td></tr>");
+            let thesis = if is_estimate(quantity) { percent(thesis) } else { "is the measure".into() };
+            lines.push([format!("{}, %", without_unit(quantity)), thesis, percent(ours)]);
         }
         if let Some((thesis, ours)) = table.largest_kgm_off() {
-            let (thesis, ours) = (number(thesis), number(Some(ours)));
-            let _ = writeln!(rows, "<tr><td>{link}</td><td>KGM itself</td><td>{thesis}</td><td>{ours}</td></tr>");
+            lines.push(["KGM itself".into(), number(thesis), number(Some(ours))]);
+        }
+        for (at, [quantity, thesis, ours]) in lines.iter().enumerate() {
+            let (name, title, height) = (table.name.name(), escaped(table.title), lines.len());
+            let first = format!("<td rowspan=\"{height}\"><a href=\"#{name}\">{title}</a></td>");
+            let first = if at == 0 { first } else { String::new() };
+            let _ = writeln!(rows, "<tr>{first}<td>{quantity}</td><td>{thesis}</td><td>{ours}</td></tr>");
         }
     }
     let claims = || tables.iter().flat_map(|table| &table.claims);
@@ -73,6 +74,12 @@ fn summary(tables: &[Table]) -> String {
             writeln!(text, "<p>Of {all} statements of the thesis on these tables and figures, {agree} come out.</p>");
     }
     text
+}
+
+/// A quantity's name for an error in per cent.
+fn without_unit(quantity: &str) -> String {
+    let name = named(quantity);
+    name.split(", ").filter(|part| !matches!(*part, "mA" | "kPa" | "N")).collect::<Vec<_>>().join(", ")
 }
 
 /// The statements that do not come out.
@@ -157,18 +164,38 @@ fn grid(rows: &[&Row]) -> String {
     for rows in rows.chunk_by(|a, b| same_quantities(a, b)) {
         let rows: Vec<Row> = rows.iter().map(|row| (*row).clone()).collect();
         let columns = columns(&rows);
-        let heads: String = columns.iter().map(|(heading, _)| format!("<th>{}</th>", escaped(heading))).collect();
+        let heads = heads(&columns);
         let mut body = String::new();
         for row in 0..rows.len() {
-            let cells: String = columns.iter().map(|(_, cells)| format!("<td>{}</td>", escaped(&cells[row]))).collect();
+            let cells: String =
+                columns.iter().map(|column| format!("<td>{}</td>", escaped(&column.cells[row]))).collect();
             let _ = writeln!(body, "<tr>{cells}</tr>");
         }
-        let _ = writeln!(
-            text,
-            "<div class=\"wide\"><table><thead><tr>{heads}</tr></thead><tbody>\n{body}</tbody></table></div>"
-        );
+        let _ =
+            writeln!(text, "<div class=\"wide\"><table><thead>{heads}</thead><tbody>\n{body}</tbody></table></div>");
     }
     text
+}
+
+/// The headings of a grid: the quantities over what is told of each.
+fn heads(columns: &[Column]) -> String {
+    if columns.iter().all(|column| column.group.is_empty()) {
+        return format!(
+            "<tr>{}</tr>",
+            columns.iter().map(|c| format!("<th>{}</th>", escaped(&c.name))).collect::<String>()
+        );
+    }
+    let (mut above, mut below) = (String::new(), String::new());
+    for group in columns.chunk_by(|a, b| !a.group.is_empty() && a.group == b.group) {
+        let Column { group: name, name: own, .. } = &group[0];
+        if name.is_empty() {
+            let _ = write!(above, "<th rowspan=\"2\">{}</th>", escaped(own));
+            continue;
+        }
+        let _ = write!(above, "<th class=\"group\" colspan=\"{}\">{}</th>", group.len(), escaped(name));
+        below.extend(group.iter().map(|column| format!("<th>{}</th>", escaped(&column.name))));
+    }
+    format!("<tr>{above}</tr><tr>{below}</tr>")
 }
 
 fn claims(caption: &str, claims: &[&Claim]) -> String {

@@ -3,8 +3,16 @@
 use super::claims::Claim;
 use super::table::{Comparison, Row, Table};
 
-/// A column's heading and its cells.
-pub type Column = (String, Vec<String>);
+/// A column of a grid.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// The quantity that it shares with its neighbours; empty where it stands alone.
+    pub group: String,
+    /// Its own heading.
+    pub name: String,
+    /// Its cells, a row each.
+    pub cells: Vec<String>,
+}
 
 /// The quantities' names as people read them: the first word is set apart from what follows it.
 const NAMES: [(&str, &str); 6] = [
@@ -80,7 +88,12 @@ pub fn largest_errors(table: &Table) -> Vec<(&'static str, Option<f64>, Option<f
 /// The columns of rows under one heading. A label that is the same in all of them is left out: the heading says it.
 #[must_use]
 pub fn columns(rows: &[Row]) -> Vec<Column> {
-    let of = |heading: &str, cell: &dyn Fn(&Row) -> String| (heading.to_owned(), rows.iter().map(cell).collect());
+    let in_group = |group: &str, name: &str, cell: &dyn Fn(&Row) -> String| Column {
+        group: group.into(),
+        name: name.into(),
+        cells: rows.iter().map(cell).collect(),
+    };
+    let of = |name: &str, cell: &dyn Fn(&Row) -> String| in_group("", name, cell);
     let mut columns: Vec<Column> = vec![of("case", &|row| row.case.to_string())];
     for (at, (name, first)) in rows[0].labels.iter().enumerate() {
         if rows.iter().any(|row| row.labels[at].1 != *first) {
@@ -91,20 +104,21 @@ pub fn columns(rows: &[Row]) -> Vec<Column> {
     columns.push(of("FDJ, N", &|row| row.fdj_n.to_string()));
     for (at, Comparison { quantity, thesis_error_percent, .. }) in rows[0].quantities.iter().enumerate() {
         let name = named(quantity);
-        let of = |what: &str, cell: &dyn Fn(&Comparison) -> String| {
-            of(format!("{name} {what}").trim(), &|row| row.quantities.get(at).map_or_else(String::new, cell))
-        };
         let is_estimate = thesis_error_percent.is_some();
         let has_thesis = rows.iter().any(|row| row.quantities[at].thesis.is_some());
+        let mut push = |own: &str, cell: &dyn Fn(&Comparison) -> String| {
+            let cell = |row: &Row| row.quantities.get(at).map_or_else(String::new, cell);
+            columns.push(if is_estimate || has_thesis { in_group(&name, own, &cell) } else { of(&name, &cell) });
+        };
         if has_thesis {
-            columns.push(of("thesis", &|c| number(c.thesis)));
+            push("thesis", &|c| number(c.thesis));
         }
-        columns.push(of(if has_thesis || is_estimate { "ours" } else { "" }, &|c| number(c.ours)));
+        push("ours", &|c| number(c.ours));
         if is_estimate && has_thesis {
-            columns.push(of("thesis error %", &|c| percent(c.thesis_error_percent.flatten())));
+            push("thesis error %", &|c| percent(c.thesis_error_percent.flatten()));
         }
         if is_estimate || has_thesis {
-            columns.push(of("our error %", &|c| percent(c.error_percent)));
+            push("our error %", &|c| percent(c.error_percent));
         }
     }
     columns
@@ -148,10 +162,12 @@ fn judged(claim: &Claim) -> String {
 
 /// Columns beside each other, ranged right; a heading of several words takes several lines.
 fn aligned(columns: &[Column]) -> Vec<String> {
-    let headings: Vec<Vec<&str>> = columns.iter().map(|(heading, _)| heading.split(' ').collect()).collect();
+    let words = |column: &'_ Column| format!("{} {}", column.group, column.name);
+    let headings: Vec<String> = columns.iter().map(words).collect();
+    let headings: Vec<Vec<&str>> = headings.iter().map(|heading| heading.split_whitespace().collect()).collect();
     let height = headings.iter().map(Vec::len).max().unwrap_or(0);
     let width = |at: usize| {
-        let cells = columns[at].1.iter().map(|cell| cell.chars().count());
+        let cells = columns[at].cells.iter().map(|cell| cell.chars().count());
         headings[at].iter().map(|word| word.chars().count()).chain(cells).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..columns.len()).map(width).collect();
@@ -160,8 +176,8 @@ fn aligned(columns: &[Column]) -> Vec<String> {
         cells.collect::<Vec<_>>().join("  ")
     };
     let heading = |row: usize| line(&|at| (*headings[at].get(row).unwrap_or(&"")).to_owned());
-    let rows = columns.first().map_or(0, |(_, cells)| cells.len());
-    (0..height).map(heading).chain((0..rows).map(|row| line(&|at| columns[at].1[row].clone()))).collect()
+    let rows = columns.first().map_or(0, |column| column.cells.len());
+    (0..height).map(heading).chain((0..rows).map(|row| line(&|at| columns[at].cells[row].clone()))).collect()
 }
 
 #[cfg(test)]
@@ -189,8 +205,8 @@ mod tests {
         let expected = "table-7.2: Both faults\n\nSection 7\n\
                         case  KGM  FDJ,     KGM     KGM     KGM    KGM\n\
                         \u{20}             N  thesis    ours  thesis    our\n\
-                        \u{20}                               error  error\n\
-                        \u{20}                                   %      %\n\
+                        \u{20}                                 error  error\n\
+                        \u{20}                                     %      %\n\
                         \u{20}  1  0.1   200  0.1100       –  10.000      –\n\
                         \u{20}  2  0.1   200  0.1100  0.1010  10.000  1.000\n\n\
                         Largest error of KGM: 1.000 %; the thesis's 10.000 %\n\

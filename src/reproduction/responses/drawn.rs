@@ -2,12 +2,33 @@
 
 use super::{MODELS, OVER, OVER_FDJ, OVER_KGM, QUANTITIES, Quantity, RAMP, REFERENCE, Responses, STEP, level};
 use crate::models::trace::Trace;
+use crate::numeric::statistics::window;
 use crate::reproduction::figure::{Axis, Figure, Line, Look};
 use crate::reproduction::runs::values;
 
 const TIME: Axis = Axis { label: "time", unit: "s", factor: 1.0, column: "time_s" };
 /// Of so many samples a figure shows one.
 const EVERY: usize = 10;
+/// What a detail shows, s: a part of the end of the ramp.
+const DETAIL_S: (f64, f64) = (1.85, 1.9);
+
+/// The samples that a figure shows.
+#[derive(Clone, Copy, PartialEq)]
+enum Shown {
+    /// All the time, with fewer samples.
+    Whole,
+    /// A short time, with every sample.
+    Detail,
+}
+
+impl Shown {
+    fn of(self, trace: &Trace, values: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Whole => values.iter().step_by(EVERY).copied().collect(),
+            Self::Detail => values[window(trace.time_s(), DETAIL_S.0, DETAIL_S.1)].to_vec(),
+        }
+    }
+}
 
 /// Every figure: chapter 5's, then chapter 6's, then those of section 7.2.
 pub fn figures(responses: &Responses) -> Vec<Figure> {
@@ -34,12 +55,8 @@ fn axis(quantity: &Quantity) -> Axis {
     Axis { label, unit, factor, column: channel.column() }
 }
 
-fn sampled(values: &[f64]) -> Vec<f64> {
-    values.iter().step_by(EVERY).copied().collect()
-}
-
-fn line(trace: &Trace, quantity: &Quantity, label: String, prefix: String, look: Look) -> Line {
-    Line { label, prefix, look, values: sampled(values(trace, quantity.channel)) }
+fn line(shown: Shown, trace: &Trace, quantity: &Quantity, label: String, prefix: String, look: Look) -> Line {
+    Line { label, prefix, look, values: shown.of(trace, values(trace, quantity.channel)) }
 }
 
 /// Both models' lines.
@@ -47,7 +64,7 @@ fn of_models(traces: [&Trace; 2], quantity: &Quantity) -> Vec<Line> {
     let models = MODELS.iter().zip(traces).enumerate();
     models
         .map(|(model, ((_, name), trace))| {
-            line(trace, quantity, format!("{name} model"), (*name).into(), Look::Model(model))
+            line(Shown::Whole, trace, quantity, format!("{name} model"), (*name).into(), Look::Model(model))
         })
         .collect()
 }
@@ -63,7 +80,7 @@ fn nominal(responses: &Responses, command: usize, quantity: &Quantity) -> Figure
         folded: None,
         x: TIME,
         y: axis(quantity),
-        abscissae: sampled(traces[0].time_s()),
+        abscissae: Shown::Whole.of(traces[0], traces[0].time_s()),
         lines: of_models(traces, quantity),
     }
 }
@@ -74,6 +91,9 @@ fn family(responses: &Responses, command: usize, over: usize, model: usize, at: 
     let (section, first) = of.sections[over];
     let (model_name, number, symbol) = (MODELS[model].1, first + at, quantity.symbol);
     let traces = responses.family(command, model, over);
+    // The thesis calls its figures 6.7 and 6.8 of section 6.2.2 details: the jack may stick and slip too fast for a whole ramp.
+    let is_detail = (command, over) == (RAMP, OVER_FDJ) && ["DXJ", "P12"].contains(&symbol);
+    let (shown, detail) = if is_detail { (Shown::Detail, " (detail)") } else { (Shown::Whole, "") };
     let lines = traces.iter().enumerate().map(|(at, trace)| {
         let (kgm, fdj_n) = level(over, at);
         let (label, prefix) = if over == OVER_KGM {
@@ -81,17 +101,17 @@ fn family(responses: &Responses, command: usize, over: usize, model: usize, at: 
         } else {
             (format!("{fdj_n}"), format!("fdj_{fdj_n}_n"))
         };
-        line(trace, quantity, label, prefix, Look::Level(at))
+        line(shown, trace, quantity, label, prefix, Look::Level(at))
     });
     Figure {
         id: format!("figure-6.{number}-section-{section}-{}-{model_name}", symbol.to_lowercase()),
         heading: format!("Section {section}: {}, growing {}", of.what, OVER[over]),
-        caption: format!("Figure 6.{number} of section {section}, {symbol}: {}, {model_name} model.", of.what),
+        caption: format!("Figure 6.{number} of section {section}, {symbol}{detail}: {}, {model_name} model.", of.what),
         legend: if over == OVER_KGM { "KGM" } else { "FDJ, N" },
         folded: (model != REFERENCE).then_some("The same by the monitoring model"),
         x: TIME,
         y: axis(quantity),
-        abscissae: sampled(traces[0].time_s()),
+        abscissae: shown.of(traces[0], traces[0].time_s()),
         lines: lines.collect(),
     }
 }
@@ -117,7 +137,7 @@ fn beside(
         folded: Some("Both models at each of the five levels"),
         x: TIME,
         y: axis(quantity),
-        abscissae: sampled(traces[0].time_s()),
+        abscissae: Shown::Whole.of(traces[0], traces[0].time_s()),
         lines: of_models(traces, quantity),
     }
 }

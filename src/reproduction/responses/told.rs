@@ -19,7 +19,7 @@ pub fn rows(responses: &Responses) -> (Vec<Row>, Vec<String>) {
         ),
         "The thesis draws its responses and prints no figures of them, so the others are ours alone. Peak: the value furthest \
          from zero. Steady: the mean over 1.09 to 1.11 s of a step and 1.8 to 1.9 s of a ramp. Amplitude: half of the range over \
-         the last period of a sine. Sampled at 10 kHz; figures show every tenth sample."
+         the last period of a sine. Sampled at 10 kHz; figures show every tenth sample, details each."
             .into(),
     ];
     for command in 0..responses.commands.len() {

@@ -20,7 +20,7 @@ const VISIBLE_PERCENT: f64 = 10.0;
 /// The part of a step or of a velocity that counts as reached.
 const REACHED: f64 = 0.9;
 /// When the jack is at its full velocity after the step, s.
-const FULL_TRAVEL_S: (f64, f64) = (0.15, 0.25);
+const FULL_TRAVEL_S: (f64, f64) = (0.1, 0.2);
 /// While the step's transient lasts, and the ramp's, s.
 const TRANSIENT_S: (f64, f64) = (0.0, 0.5);
 
