@@ -11,7 +11,7 @@ use crate::jobs::kind::SimulationSpec;
 use crate::jobs::sets;
 use crate::jobs::text::causes;
 use crate::models::parameters::ParameterSet;
-use crate::models::simulate::{Simulation, simulate};
+use crate::models::simulate::{Provenance, Simulation, simulate};
 use crate::numeric::digest;
 use crate::numeric::watch::Watch;
 use crate::store::records::{self, Id, Outcome, TraceRecord};
@@ -30,21 +30,20 @@ pub struct Input {
 #[derive(Debug, Clone)]
 pub struct Written {
     bytes: Vec<u8>,
-    set: Arc<ParameterSet>,
+    provenance: Provenance,
     sha256: String,
     samples: u64,
     duration_s: f64,
 }
 
 /// The result of a simulation job.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub struct SimulationResult {
     /// The trace that was made.
     pub trace_id: Id,
-    /// The name of the parameter set that it was made with.
-    pub parameter_set: String,
-    /// Its hash.
-    pub parameter_set_hash: String,
+    /// What it was made from.
+    #[serde(flatten)]
+    pub provenance: Provenance,
 }
 
 pub(super) async fn prepare(spec: &SimulationSpec, records: &dyn Records) -> Result<Input, RunError> {
@@ -57,7 +56,7 @@ pub(super) fn compute(input: Input, watch: &dyn Watch) -> Result<Written, RunErr
     let bytes = formats::write(Format::Csv, &trace);
     let sha256 = digest::sha256_hex(&bytes);
     let (samples, duration_s) = (trace.samples() as u64, trace.duration_s());
-    Ok(Written { bytes, set: input.set, sha256, samples, duration_s })
+    Ok(Written { bytes, provenance: input.recipe.provenance(&input.set), sha256, samples, duration_s })
 }
 
 /// Keeps the bytes under an id of their own: attempts never share one, so the one that loses can delete its own.
@@ -83,8 +82,7 @@ pub(super) async fn keep(written: Written, traces: &dyn Traces) -> Result<Outcom
         }
         return Err(error);
     }
-    let (parameter_set, parameter_set_hash) = (written.set.name().to_owned(), written.set.hash().to_owned());
-    let result = SimulationResult { trace_id, parameter_set, parameter_set_hash };
+    let result = SimulationResult { trace_id, provenance: written.provenance };
     let result = serde_json::to_value(result).expect("a result's fields have names");
     Ok(Outcome::Simulated { trace: Box::new(trace), result })
 }
