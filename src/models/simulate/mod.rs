@@ -16,7 +16,7 @@ use super::trace::{DURATION_MAX_S, SAMPLES_MIN, Trace};
 use super::{monitoring, reference};
 use crate::numeric::rng::Seed;
 use crate::numeric::watch::Watch;
-use plant::{MonitoringPlant, Plant};
+use plant::{MonitoringPlant, Plant, Work, on_reference};
 use recorder::Recorder;
 
 /// The fastest sampling, Hz.
@@ -135,7 +135,7 @@ pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> R
     match recipe.model {
         ModelKind::Reference => {
             let model = reference::Model::new(&set.shared(), set.reference_model(), &recipe.faults);
-            run(&model, recipe, watch)
+            on_reference(model, TimeLoop { recipe, watch })
         }
         ModelKind::Monitoring => {
             let model = monitoring::Model::new(&set.shared(), set.monitoring_model());
@@ -145,7 +145,23 @@ pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> R
     }
 }
 
+/// The time loop with what it needs beside a plant.
+struct TimeLoop<'a> {
+    recipe: &'a Simulation,
+    watch: &'a dyn Watch,
+}
+
+impl Work for TimeLoop<'_> {
+    type Output = Result<Trace, SimulationError>;
+
+    #[inline(always)]
+    fn on<P: Plant>(self, plant: &P) -> Self::Output {
+        run(plant, self.recipe, self.watch)
+    }
+}
+
 /// The time loop.
+#[inline(always)]
 fn run<P: Plant>(plant: &P, recipe: &Simulation, watch: &dyn Watch) -> Result<Trace, SimulationError> {
     let dt = plant.time_step_s();
     // 1/dt is the whole number of steps in a second; k dt and k / that number are not the same double.
