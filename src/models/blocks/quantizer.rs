@@ -9,10 +9,12 @@
 const STEPS_MAX: f64 = 1.0 / f64::EPSILON;
 
 /// The multiple of `step` that is nearest to `value`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn quantize(step: f64, value: f64) -> f64 {
-    // At a step of zero this is no number or infinite, and neither is below the most.
+    if step == 0.0 {
+        return value;
+    }
     let steps = (value / step).round();
     if steps.abs() < STEPS_MAX { steps * step } else { value }
 }

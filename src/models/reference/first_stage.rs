@@ -84,7 +84,7 @@ impl Block {
     }
 
     /// One step under the torque motor's force, with the spool where it was.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, force_n: f64, spool_position_m: f64, time_step_s: f64) -> State {
         let p = &self.params;
@@ -94,7 +94,7 @@ impl Block {
         let net_n = force_n - spring_n - armature_n - self.damping_n_s_per_m * s.velocity_m_per_s;
         let velocity = s.velocity_m_per_s + net_n / p.mass_kg * time_step_s;
         let (position_m, velocity_m_per_s) =
-            end_stop::step(p.flapper_position_max_m, s.position_m + velocity * time_step_s, velocity);
+            end_stop::hold(p.flapper_position_max_m, s.position_m + velocity * time_step_s, velocity);
         State { position_m, velocity_m_per_s }
     }
 }

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use super::blocks::{self, Input, Shared, controller};
 use super::checks::Checks;
 use super::fault::Faults;
+use crate::numeric::lane::{Four, Plain};
 
 /// What the reference model has of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -143,10 +144,17 @@ impl Model {
         }
     }
 
-    /// One time step, in signal order.
-    #[inline]
+    /// One time step.
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, input: &Input) -> State {
+        self.step_in::<Plain>((), s, input)
+    }
+
+    /// One time step, in signal order, with the four passages in a lane that the instruction set has.
+    #[inline(always)]
+    #[must_use]
+    pub fn step_in<F: Four>(&self, token: F::Token, s: &State, input: &Input) -> State {
         let dt = self.time_step_s;
         let error_m = input.position_command_m - s.jack.measured_m;
         let current_max_a = self.torque_motor.current_max_a();
@@ -162,7 +170,8 @@ impl Model {
             dt,
         );
         let supply_pa = self.passages.supply_pa(input.supply_factor);
-        let flows = self.passages.step(second_stage.position_m, supply_pa, s.pipe.port_1_pa, s.pipe.port_2_pa);
+        let (port_1_pa, port_2_pa) = (s.pipe.port_1_pa, s.pipe.port_2_pa);
+        let flows = self.passages.step_in::<F>(token, second_stage.position_m, supply_pa, port_1_pa, port_2_pa);
         let jack_flow = self.jack.flow_m3_per_s(&s.jack);
         let pipe = self.pipe.step(&s.pipe, &flows, jack_flow, dt);
         let jack = self.jack.step(&s.jack, pipe.load_pressure_pa(), input.external_load_n, dt);

@@ -123,7 +123,7 @@ impl Block {
 
     /// One step with the flapper where it is, the jack's flow of the step before, and the supply differential as a part
     /// of the one that the block was prepared for.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(
         &self,
@@ -140,7 +140,7 @@ impl Block {
         let active_n = gains.force_n_per_m * flapper_m - p.flow_force_n_s_per_m3 * jack_flow_m3_per_s;
         let velocity = self.velocity(s.velocity_m_per_s, active_n, gains.resistance_n_s_per_m);
         let (position_m, velocity_m_per_s) =
-            end_stop::step(p.spool_position_max_m, s.position_m + velocity * time_step_s, velocity);
+            end_stop::hold(p.spool_position_max_m, s.position_m + velocity * time_step_s, velocity);
         State { position_m, velocity_m_per_s }
     }
 

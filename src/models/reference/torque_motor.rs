@@ -9,9 +9,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::first_stage;
-use crate::models::blocks::{backlash, hysteresis, torque_motor};
+use crate::models::blocks::{backlash, end_stop, hysteresis, torque_motor};
 use crate::models::checks::Checks;
-use crate::numeric::lane::Lane;
 
 /// How the force follows from the current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -146,13 +145,13 @@ impl Block {
     }
 
     /// The state after a step and the force on the flapper, N.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, asked_a: f64, interference_a: f64, flapper_position_m: f64) -> (State, f64) {
         let p = &self.params;
         let (hysteresis, shifted_a) = hysteresis::step(p.hysteresis_a, &s.hysteresis, asked_a);
         let disturbed_a = shifted_a + p.current_offset_a + interference_a;
-        let current_a = disturbed_a.clip(self.shared.current_max_a);
+        let (current_a, _) = end_stop::hold(self.shared.current_max_a, disturbed_a, 0.0);
         let effective_a = backlash::step(p.threshold_a, s.effective_a, current_a);
         let net_a = effective_a - self.spring_a_per_m * flapper_position_m;
         let force_n = torque_motor::force(&self.shared, net_a, self.demagnetisation);

@@ -23,6 +23,7 @@ impl<'a> Inputs<'a> {
     }
 
     /// What acts at a time, s, with this interference, A.
+    #[inline(always)]
     pub fn at(&self, time_s: f64, interference_a: f64) -> Input {
         let Simulation { command, duration_s, external_load_n, supply_pressure_pa, .. } = self.recipe;
         let supply_factor = |pa: &Quantity| (pa.at(time_s) - self.return_pressure_pa) / self.supply_differential_pa;

@@ -20,7 +20,7 @@ use super::{monitoring, reference};
 use crate::numeric::watch::Watch;
 use inputs::Inputs;
 use interference::Interference;
-use plant::{MonitoringPlant, Plant};
+use plant::{MonitoringPlant, Plant, Work, on_reference};
 pub use provenance::Provenance;
 use recorder::Recorder;
 
@@ -249,18 +249,37 @@ pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> R
             let model = reference::Model::new(&set.shared(), own, &recipe.faults);
             let sample_time_s = own.torque_motor.interference_sample_time_s;
             let interference = Interference::new(recipe.noise_power_ma2_s, sample_time_s, own.time_step_s, recipe.seed);
-            run(&model, recipe, &inputs, interference, watch)
+            on_reference(model, TimeLoop { recipe, inputs, interference, watch })
         }
         ModelKind::Monitoring => {
             let fluid = recipe.fluid.unwrap_or_default();
             let model = monitoring::Model::with_fluid(&set.shared(), set.monitoring_model(), fluid);
             let candidate = model.candidate(recipe.faults.kgm, recipe.faults.fdj_n);
-            run(&MonitoringPlant { model, candidate }, recipe, &inputs, Interference::none(), watch)
+            let interference = Interference::none();
+            TimeLoop { recipe, inputs, interference, watch }.on(&MonitoringPlant { model, candidate })
         }
     }
 }
 
+/// The time loop with what it needs beside a plant.
+struct TimeLoop<'a> {
+    recipe: &'a Simulation,
+    inputs: Inputs<'a>,
+    interference: Interference,
+    watch: &'a dyn Watch,
+}
+
+impl Work for TimeLoop<'_> {
+    type Output = Result<Trace, SimulationError>;
+
+    #[inline(always)]
+    fn on<P: Plant>(self, plant: &P) -> Self::Output {
+        run(plant, self.recipe, &self.inputs, self.interference, self.watch)
+    }
+}
+
 /// The time loop.
+#[inline(always)]
 fn run<P: Plant>(
     plant: &P,
     recipe: &Simulation,
