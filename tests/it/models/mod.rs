@@ -1,5 +1,7 @@
 //! The models against the thesis and against each other.
 
+mod curves;
 mod features;
+mod fluids;
 mod lanes;
 mod table_6_3;
