@@ -23,15 +23,7 @@ const RUNS_A_ROUND: u32 = 5;
 
 fn main() {
     let set = ParameterSet::reference();
-    let recipe = Simulation {
-        model: ModelKind::Reference,
-        command: Drive::Diagnostic,
-        faults: Faults::default(),
-        noise_power_ma2_s: 0.0,
-        seed: 1,
-        duration_s: 6.0,
-        sample_rate_hz: 1000.0,
-    };
+    let recipe = Simulation::new(ModelKind::Reference, Drive::Diagnostic, Faults::default(), 6.0, 1000.0);
     let steps = 600_001;
     let compiled = compile();
     let (mut ours, mut theirs) = (f64::INFINITY, f64::INFINITY);

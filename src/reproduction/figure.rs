@@ -35,7 +35,7 @@ pub struct Line {
     pub prefix: String,
     /// How it is drawn.
     pub look: Look,
-    /// Its values, SI, one for every abscissa.
+    /// Its values, SI, one for every abscissa; NaN where there is none.
     pub values: Vec<f64>,
 }
 
@@ -56,6 +56,8 @@ pub struct Figure {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
+    /// What is shown of the vertical axis, SI; `None` shows all.
+    pub y_limits: Option<(f64, f64)>,
     /// The common abscissae, SI.
     pub abscissae: Vec<f64>,
     /// The lines.
@@ -69,7 +71,11 @@ impl Figure {
         let columns = self.lines.iter().map(|line| format!(",{}_{}", line.prefix, self.y.column));
         let mut text = format!("{}{}\n", self.x.column, columns.collect::<String>());
         for (row, x) in self.abscissae.iter().enumerate() {
-            let cells = self.lines.iter().map(|line| format!(",{:.6e}", line.values[row]));
+            let cells = self
+                .lines
+                .iter()
+                .map(|line| line.values[row])
+                .map(|value| if value.is_nan() { ",".to_owned() } else { format!(",{value:.6e}") });
             writeln!(text, "{x}{}", cells.collect::<String>()).expect("a string takes any text");
         }
         text
@@ -92,6 +98,7 @@ pub(super) mod tests {
             caption: "Cor & <XS>".into(),
             legend: "KGM",
             folded: None,
+            y_limits: None,
             x: axis("time", "ms", "time_s"),
             y: axis("current", "mA", "servovalve_current_a"),
             abscissae: (0..values.len()).map(|i| i as f64 * 1e-3).collect(),
@@ -104,6 +111,7 @@ pub(super) mod tests {
         let csv = example(&[0.5, -2e-3]).csv();
         let lines: Vec<&str> = csv.lines().collect();
         assert!(lines[0].starts_with("time_s,level_0_servovalve_current_a,level_1_servovalve_current_a"));
+        assert!(example(&[0.5, f64::NAN]).csv().ends_with("0.001,,,,\n"), "what is not there is empty");
         assert_eq!(lines[2], "0.001,-2.000000e-3,-2.000000e-3,-2.000000e-3,-2.000000e-3");
     }
 }

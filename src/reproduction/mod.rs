@@ -3,6 +3,7 @@
 //! A [`table::Table`] is data; [`text`] tells it on a terminal, [`report`] as a page for a browser.
 
 pub mod claims;
+mod curves;
 pub mod differences;
 mod estimates;
 pub mod figure;
@@ -19,6 +20,7 @@ use std::str::FromStr;
 
 use thiserror::Error;
 
+use crate::characterisation::settling::SettlingError;
 use crate::estimation::EstimationError;
 use crate::models::parameters::ParameterSet;
 use crate::models::simulate::SimulationError;
@@ -41,6 +43,8 @@ pub enum Name {
     TableNoise,
     /// Section 7.2, fifth table: both faults with a clearance that the monitoring model does not have.
     TableClearance,
+    /// Sections 3.2, 4.1.3 and chapter 5: characteristic curves and settling times.
+    Curves,
     /// Chapters 5 and 6: responses to a step, a ramp and a sine, with tables 6.1.4 and 6.2.4.
     Responses,
 }
@@ -51,6 +55,9 @@ pub enum ReproductionError {
     /// A model run failed.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// The settling times have no map.
+    #[error(transparent)]
+    Settling(#[from] SettlingError),
     /// An estimation failed.
     #[error(transparent)]
     Estimation(#[from] EstimationError),
@@ -58,13 +65,14 @@ pub enum ReproductionError {
 
 impl Name {
     /// Every table, in the order in which they are told.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Table63,
         Self::SingleKgm,
         Self::SingleFdj,
         Self::Table72,
         Self::TableNoise,
         Self::TableClearance,
+        Self::Curves,
         Self::Responses,
     ];
 
@@ -78,17 +86,19 @@ impl Name {
             Self::Table72 => "table-7.2",
             Self::TableNoise => "table-noise",
             Self::TableClearance => "table-clearance",
+            Self::Curves => "curves",
             Self::Responses => "responses",
         }
     }
 
-    /// The model runs that the table needs, which is how long it takes.
+    /// How long the table takes, in model runs.
     const fn runs(self) -> usize {
         match self {
             Self::SingleKgm | Self::SingleFdj => 5,
             Self::Table63 | Self::Table72 => 25,
             Self::TableClearance => 50,
             Self::TableNoise => 325,
+            Self::Curves => 40,
             Self::Responses => 60,
         }
     }
@@ -105,6 +115,7 @@ impl Name {
             Self::Table72 => estimates::both(set, watch),
             Self::TableNoise => estimates::through_noise(set, watch),
             Self::TableClearance => estimates::with_clearance(set, watch),
+            Self::Curves => curves::table(set, watch),
             Self::Responses => responses::table(set, watch),
         }
     }

@@ -79,8 +79,12 @@ pub fn standalone(figure: &Figure) -> String {
 fn drawn(figure: &Figure, attributes: &str, first: &str) -> String {
     let (legend, top) = legend(figure);
     let x = Scale::new(figure.abscissae.iter().map(|v| v * figure.x.factor), 0.0, (MARGINS.0, SIZE.0 - MARGINS.1));
-    let all = figure.lines.iter().flat_map(|line| line.values.iter().map(|v| v * figure.y.factor));
-    let y = Scale::new(all, 0.05, (SIZE.1 - MARGINS.2, top + 13.0));
+    let all = || figure.lines.iter().flat_map(|line| line.values.iter().map(|v| v * figure.y.factor));
+    let down = (SIZE.1 - MARGINS.2, top + 13.0);
+    let y = match figure.y_limits {
+        None => Scale::new(all(), 0.05, down),
+        Some((low, high)) => Scale::new([low, high].into_iter().map(|v| v * figure.y.factor), 0.0, down),
+    };
     let mut svg = format!(
         "<svg{attributes} viewBox=\"0 0 {} {}\" class=\"plot\" role=\"img\" aria-label=\"{}\" font-family=\"sans-serif\" \
          font-size=\"14\">\n{first}",
@@ -96,11 +100,22 @@ fn drawn(figure: &Figure, attributes: &str, first: &str) -> String {
     if is_scale {
         lines.reverse();
     }
+    // An inner drawing cuts off what lies beyond its limits.
+    let (width, height) = (x.pixels.1 - x.pixels.0, y.pixels.0 - y.pixels.1);
+    let place = format!("x=\"{0}\" y=\"{1}\" width=\"{width}\" height=\"{height}\"", x.pixels.0, y.pixels.1);
+    let seen = format!("viewBox=\"{} {} {width} {height}\"", x.pixels.0, y.pixels.1);
+    if figure.y_limits.is_some() {
+        let _ = writeln!(svg, "<svg {place} {seen}>");
+    }
     for line in lines {
         let points = figure.abscissae.iter().zip(&line.values);
         let points: Vec<(f64, f64)> =
             points.map(|(a, b)| (x.at(a * figure.x.factor), y.at(b * figure.y.factor))).collect();
-        let _ = writeln!(svg, "<path {} d=\"{}\"/>", stroke(line.look), path(&simplified(&points)));
+        let pieces = points.split(|point| point.1.is_nan()).map(|piece| path(&simplified(piece)));
+        let _ = writeln!(svg, "<path {} d=\"{}\"/>", stroke(line.look), pieces.collect::<String>());
+    }
+    if figure.y_limits.is_some() {
+        svg += "</svg>\n";
     }
     svg + "</svg>\n"
 }
@@ -265,6 +280,17 @@ mod tests {
         points[4001].1 = -3.0;
         let kept = simplified(&points);
         assert!(kept.len() < 12 && [0, 1234, 4001, 4999].iter().all(|&i| kept.contains(&points[i])), "{kept:?}");
+    }
+
+    #[test]
+    fn a_line_has_a_gap_where_there_is_no_value_and_limits_cut_it_off() {
+        let values = [0.0, 1.0, f64::NAN, 2.0, 3.0];
+        let figure = Figure { y_limits: Some((0.0, 2.5)), ..example(&values) };
+        let svg = inline(&figure);
+        let line = svg.lines().rfind(|line| line.contains("class=\"line ")).unwrap();
+        assert_eq!(line.matches('M').count(), 2, "{line}");
+        assert!(!svg.contains("NaN"));
+        assert_eq!((svg.matches("<svg").count(), svg.matches("</svg>").count()), (2, 2));
     }
 
     #[test]

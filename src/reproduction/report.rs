@@ -102,8 +102,8 @@ fn contents(tables: &[Table]) -> String {
 
 /// The headings of a table's rows and figures, each once, in the order of the thesis's sections.
 fn headings(table: &Table) -> Vec<&str> {
-    let of_rows = table.rows.iter().map(|row| row.heading.as_str());
-    let all = of_rows.chain(table.figures.iter().map(|figure| figure.heading.as_str()));
+    let of_figures = table.figures.iter().map(|figure| figure.heading.as_str());
+    let all = of_figures.chain(table.rows.iter().map(|row| row.heading.as_str()));
     let mut headings: Vec<&str> = Vec::new();
     for heading in all.filter(|heading| !heading.is_empty()) {
         if !headings.contains(&heading) {

@@ -15,13 +15,19 @@ pub struct Column {
 }
 
 /// The quantities' names as people read them: the first word is set apart from what follows it.
-const NAMES: [(&str, &str); 6] = [
+const NAMES: [(&str, &str); 12] = [
     ("current_ma", "Cor, mA"),
     ("pressure_kpa", "P12, kPa"),
     ("kgm_estimated", "KGM"),
     ("fdj_estimated_n", "FDJ, N"),
     ("kgm_estimated_worst_seed", "KGM, worst seed"),
     ("fdj_estimated_worst_seed_n", "FDJ, worst seed, N"),
+    ("pressure_gain_pa_per_m", "pressure gain GP, Pa/m"),
+    ("flow_gain_m2_per_s", "flow gain GQ at null, m²/s"),
+    ("open_flow_gain_m2_per_s", "flow gain from 0.1 to 0.6 mm, m²/s"),
+    ("bell_a", "bell a"),
+    ("bell_b", "bell b"),
+    ("peak_growth_s_per_m3", "growth of the peak, s/m³"),
 ];
 /// How the names of the responses' quantities begin and end, and what stands there for people.
 const BEGIN: [(&str, &str); 5] = [
@@ -56,6 +62,7 @@ pub fn named(quantity: &str) -> String {
 pub fn number(value: Option<f64>) -> String {
     match value {
         None => "–".into(),
+        Some(v) if v.abs() >= 1e5 => format!("{v:.4e}"),
         Some(v) if v.abs() >= 100.0 => format!("{v:.3}"),
         Some(v) => format!("{v:.4}"),
     }

@@ -63,7 +63,7 @@ fn parity_a_simulation_gives_the_bits_of_the_reference_model_in_plain_numbers() 
     let columns = [Channel::ServovalveCurrent, Channel::LoadPressure, Channel::JackPosition, Channel::JackVelocity];
     let mut s = model.start();
     for step in 0..=500_000_u32 {
-        s = model.step(&s, &Input::command(Drive::Diagnostic.position_m(f64::from(step) / 1e5)));
+        s = model.step(&s, &Input::command(Drive::Diagnostic.position_m(f64::from(step) / 1e5, 6.0)));
         if step % 100 == 0 {
             let plain =
                 [s.torque_motor.current_a, s.pipe.load_pressure_pa(), s.jack.measured_m, s.jack.velocity_m_per_s];
