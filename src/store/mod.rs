@@ -144,6 +144,8 @@ pub trait Records: Send + Sync {
     async fn insert_actuator(&self, actuator: &Actuator) -> Result<(), StoreError>;
     /// One actuator.
     async fn actuator(&self, id: Id) -> Result<Option<Actuator>, StoreError>;
+    /// Pins an actuator to another version of a parameter set, and returns it as it is now.
+    async fn pin_actuator(&self, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError>;
     /// Actuators in the order of their registration.
     async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError>;
 

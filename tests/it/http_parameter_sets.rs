@@ -330,3 +330,34 @@ async fn sets_and_what_is_pinned_to_them_are_there_after_a_restart() {
     service.work().await;
     assert_eq!(service.get("/v1/jobs").await.text("/items/0/result/parameter_set_hash"), older);
 }
+
+#[tokio::test]
+async fn an_actuator_is_moved_to_another_version_and_estimated_with_it_from_then_on() {
+    let service = Service::new().await;
+    let older = kept(&service, "mine", 9.5).await;
+    let actuator = registered(&service, "A", "mine").await.expect(StatusCode::CREATED);
+    let newer = kept(&service, "mine", 9.6).await;
+    let path = actuator.header("location");
+    let estimated = async || {
+        let uploads = format!("{path}/traces?{RECORDED}");
+        service.post(&uploads, Some("text/csv"), still_csv()).await.expect(StatusCode::ACCEPTED);
+        service.work().await;
+        service.get("/v1/jobs").await.text("/items/0/result/parameter_set_hash")
+    };
+    assert_eq!(estimated().await, older);
+    let moved = service.patch_json(path, &json!({"parameter_set": "mine"})).await.expect(StatusCode::OK);
+    let mut expected = actuator.json();
+    expected["parameter_set_hash"] = json!(newer);
+    assert_eq!((moved.json(), service.get(path).await.json()), (expected.clone(), expected));
+    assert_eq!(estimated().await, newer);
+    for (body, status, pointer) in [
+        (json!({"parameter_set": "none"}), 422, "/parameter_set"),
+        (json!({"parameter_set": 7}), 400, "/parameter_set"),
+        (json!({"parameter_set": "mine", "serial_number": "B"}), 400, "/serial_number"),
+        (json!({}), 400, ""),
+    ] {
+        service.patch_json(path, &body).await.expect_problem(status, &[pointer]);
+    }
+    service.patch_json("/v1/actuators/7", &json!({"parameter_set": "mine"})).await.expect_problem(404, &[]);
+    assert_eq!(service.get(path).await.text("/parameter_set_hash"), newer);
+}

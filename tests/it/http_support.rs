@@ -74,6 +74,10 @@ impl Service {
         self.post(path, Some("application/json"), body.to_string()).await
     }
 
+    pub async fn patch_json(&self, path: &str, body: &Value) -> Answer {
+        self.send(request(Method::PATCH, path, Some("application/json"), body.to_string().into())).await
+    }
+
     /// Registers an actuator and returns its id.
     pub async fn registered(&self, serial_number: &str) -> String {
         let body = json!({"serial_number": serial_number, "tail_number": "I-ELVN", "location": "left aileron"});

@@ -59,6 +59,7 @@ macro_rules! records_engine {
                 contract_the_same_version_again_is_the_record_that_is_kept,
                 contract_a_version_is_found_by_the_beginning_of_its_hash,
                 contract_parameter_sets_are_listed_in_the_order_in_which_they_were_kept,
+                contract_an_actuator_is_pinned_anew_and_keeps_the_rest,
                 contract_actuators_of_the_built_in_set_go_with_it_and_others_stay_pinned,
             },
             fleet::{

@@ -39,6 +39,27 @@ pub struct NewActuator {
     usage_unit: Option<UsageUnit>,
 }
 
+/// What is to change of an actuator.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ActuatorChange {
+    /// Its parameter set: NAME or NAME@HASH, as at its registration.
+    #[schema(example = "reference")]
+    pub parameter_set: String,
+}
+
+impl ActuatorChange {
+    /// The name and the hash of the set to pin it to: the one that it names, or what is wrong with the name.
+    ///
+    /// # Errors
+    /// A set that no actuator can be pinned to.
+    pub fn check(set: Result<Arc<ParameterSet>, String>) -> ApiResult<(String, String)> {
+        let mut errors = FieldErrors::default();
+        let pinned = pin(set, &mut errors);
+        errors.pass(pinned)
+    }
+}
+
 /// Failure thresholds, each with a default.
 #[derive(Debug, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]

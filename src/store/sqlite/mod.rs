@@ -106,6 +106,10 @@ impl Records for SqliteRecords {
         actuators::one(&self.readers, id).await
     }
 
+    async fn pin_actuator(&self, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError> {
+        actuators::pin(&self.writer, id, set, hash).await
+    }
+
     async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError> {
         actuators::list(&self.readers, page).await
     }

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use elevon::store::records::Id;
 use elevon::store::{Page, Records};
 
 use super::samples::{actuator, all, parameter_set};
@@ -73,4 +74,15 @@ pub async fn contract_actuators_of_the_built_in_set_go_with_it_and_others_stay_p
     }
     assert_eq!(records.parameter_sets(&all()).await.unwrap().items, [older, newer]);
     assert_eq!(records.actuator(follows.id).await.unwrap().unwrap().revision, 0, "its history did not change");
+}
+
+pub async fn contract_an_actuator_is_pinned_anew_and_keeps_the_rest(records: Arc<dyn Records>) {
+    let (mut changed, other) = (actuator("changed"), actuator("other"));
+    for actuator in [&changed, &other] {
+        records.insert_actuator(actuator).await.unwrap();
+    }
+    (changed.parameter_set, changed.parameter_set_hash) = ("mine".into(), "0a".into());
+    assert_eq!(records.pin_actuator(changed.id, "mine", "0a").await.unwrap(), Some(changed.clone()));
+    assert_eq!(records.actuators(&all()).await.unwrap().items, [changed, other]);
+    assert_eq!(records.pin_actuator(Id::now(), "mine", "0a").await.unwrap(), None);
 }
