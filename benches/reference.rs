@@ -60,7 +60,7 @@ fn plain_ns(set: &ParameterSet, steps: u32) -> f64 {
     let mut s = model.start();
     let started = Instant::now();
     for step in 0..steps {
-        s = model.step(&s, &Input::command(Drive::Diagnostic.position_m(f64::from(step) / 1e5)));
+        s = model.step(&s, &Input::command(Drive::Diagnostic.position_m(f64::from(step) / 1e5, 6.0)));
     }
     std::hint::black_box(s);
     started.elapsed().as_secs_f64() * 1e9 / f64::from(steps)

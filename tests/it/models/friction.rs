@@ -55,7 +55,7 @@ fn steps() -> impl Strategy<Value = (Body, Levels<f64>, f64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4000))]
+    #![proptest_config(super::cases(4000))]
 
     #[test]
     fn validate_section_3_2_4_borello_s_friction_takes_energy_and_its_arrest_takes_all((body, levels, band) in steps()) {

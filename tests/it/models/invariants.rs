@@ -150,7 +150,7 @@ fn check_monitoring(set: &ParameterSet, s: &monitoring::State<f64>) -> Result<()
 static AS_DRAWN: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(super::cases(2000))]
 
     // Of the sets drawn over the whole ranges about one in four validates as it is; the others do with each value that
     // a joint bound excludes on that bound. Both kinds run.

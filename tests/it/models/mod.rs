@@ -12,3 +12,10 @@ mod lanes;
 mod order;
 mod switches;
 mod table_6_3;
+
+use proptest::test_runner::{Config, RngSeed};
+
+/// Properties over this many cases, the same on every run.
+fn cases(cases: u32) -> Config {
+    Config { cases, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..Config::default() }
+}
