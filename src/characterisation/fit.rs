@@ -8,9 +8,10 @@
 //!
 //! XSS: least squares of PSR tanh(XS/XSS) on the reference valve's zero-flow pressure, evenly over ±0.6 mm. GQ, at any
 //! Clk: the flow of the ramp at the reference model's own spool opening, so that what is left of the current is the flow
-//! force that this model lacks, a ratio. Clk: least squares of the pressure feature, and enough for the fine step. The lag's scale: the jack's mass on
-//! the lagged pressure is damped by a tenth of the critical on the ramp. The flow gains of 5.1 and 5.2: the ramp's
-//! current, but no less than what the time step can follow. The bias: measured at levels that no fit has seen.
+//! force that this model lacks, a ratio. Clk: least squares of the pressure feature, and enough for the fine step. The
+//! lag's scale: the jack's mass on the lagged pressure is damped by a tenth of the critical on the ramp. The flow gains
+//! of 5.1 and 5.2: the ramp's current, but no less than what the time step can follow. The bias: measured at levels that
+//! no fit has seen.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -99,19 +100,20 @@ pub fn fit(set: &ParameterSet, watch: &dyn Watch) -> Result<Fitted, FitError> {
     let shown_checking = shown.split_off(fitting.len());
     let goal = Goal { shared: set.shared(), levels: fitting, shown };
     own.fluid = goal.fit_developed(&own, watch)?;
-    own.fluid = goal.soften(&own, &checking)?;
+    let modelled = goal.soften(&mut own, &checking)?;
     let limited = goal.fit_simple(&mut own)?;
 
-    let mut fluids = Vec::new();
-    for fluid in [FluidModel::Developed, FluidModel::Evolved, FluidModel::Linear] {
+    let residuals = |fluid: FluidModel, modelled: &[Features]| {
+        FluidResiduals::new(fluid, limited.contains(&fluid), &checking, &shown_checking, modelled)
+    };
+    let mut fluids = vec![residuals(FluidModel::Developed, &modelled)];
+    for fluid in [FluidModel::Evolved, FluidModel::Linear] {
+        watch.progress(0.8 + 0.2 * fluids.len() as f64 / 3.0);
         if watch.cancelled() {
             return Err(FitError::Cancelled);
         }
         let model = Model::with_fluid(&goal.shared, &own, fluid);
-        let modelled = diagnostic::monitoring(&model, &checking);
-        let limited = limited.contains(&fluid);
-        fluids.push(FluidResiduals::new(fluid, limited, &checking, &shown_checking, &modelled));
-        watch.progress(0.8 + 0.2 * fluids.len() as f64 / 3.0);
+        fluids.push(residuals(fluid, &diagnostic::monitoring(&model, &checking)));
     }
     own.bias = bias(&fluids[0]);
     let mut parameters = set.to_json();
@@ -209,12 +211,11 @@ impl Goal {
         Ok(at(exponent))
     }
 
-    /// The developed fluid with as much more leakage as its fine step needs. Next to none makes it so stiff at null that
+    /// Adds as much leakage as the developed fluid's fine step needs, and gives its features. Next to none makes it so stiff at null that
     /// the fine step, which takes the flow as it was, sticks and slips where the large one, which solves for it, does not.
-    fn soften(&self, own: &monitoring::Params, levels: &[Level]) -> Result<fluid::Params, FitError> {
-        let mut candidate = *own;
+    fn soften(&self, own: &mut monitoring::Params, levels: &[Level]) -> Result<Vec<Features>, FitError> {
         for _ in 0..DOUBLINGS_MAX {
-            let model = Model::new(&self.shared, &candidate);
+            let model = Model::new(&self.shared, own);
             let (fine, large) = (diagnostic::monitoring(&model, levels), diagnostic::monitoring_fast(&model, levels));
             let near = |one: f64, other: f64| (one / other - 1.0).abs() < STEPS_AGREE;
             let agree = |(fine, large): (&Features, &Features)| {
@@ -222,9 +223,9 @@ impl Goal {
                     && near(fine.load_pressure_pa, large.load_pressure_pa)
             };
             if fine.iter().zip(&large).all(agree) {
-                return Ok(candidate.fluid);
+                return Ok(fine);
             }
-            candidate.fluid = self.developed_at(&own.fluid, 2.0 * candidate.fluid.leakage_m3_per_s_per_pa);
+            own.fluid = self.developed_at(&own.fluid, 2.0 * own.fluid.leakage_m3_per_s_per_pa);
         }
         let reason = "with any of them the fine and the large step of the model disagree";
         Err(FitError::NoValue { parameter: "monitoring.fluid.leakage_m3_per_s_per_pa", reason })

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should panic")]
 
 mod cli;
+mod cli_parameters;
 mod estimation;
 mod house;
 mod http_actuators;
