@@ -20,6 +20,12 @@ const fn difference(place: &'static str, thesis: &'static str, here: &'static st
 /// The differences, in the order of the thesis.
 pub const DIFFERENCES: &[Difference] = &[
     difference(
+        "3.2",
+        "Flows of 3 and 6 m³/s",
+        "3 and 6 cm³/s",
+        "Section 5.3 has 3e-6 and 4.5e-6 m³/s, and a jack of 8 cm² would run at kilometres per second",
+    ),
+    difference(
         "3.2.4",
         "Coulomb's equations stand where Borello's should",
         "The velocity is zero in the step in which its sign would change, and leaves zero only against more than the static \
@@ -124,7 +130,7 @@ pub const DIFFERENCES: &[Difference] = &[
         "7.2, clearance",
         "A clearance of 30 µm hardly shifts KGM",
         "With 30 µm more of radial clearance KGM is read too high",
-        "The leak asks for more current, as a weaker torque motor does, and the monitoring model has no leak. The thesis says \
+        "The leak asks for more current, as a weaker torque motor does, and the monitoring model has no such leak. The thesis says \
          neither whether its clearance is radial nor whether it is added",
     ),
     difference(

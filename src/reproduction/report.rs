@@ -7,7 +7,7 @@ use super::differences::DIFFERENCES;
 use super::figure::Figure;
 use super::plot;
 use super::table::{Row, Table};
-use super::text::{Column, columns, escaped, largest_errors, named, number, percent, same_quantities};
+use super::text::{Column, KGM, columns, escaped, largest_errors, named, number, percent, same_quantities};
 
 const STYLE: &str = include_str!("report.css");
 
@@ -48,8 +48,10 @@ fn summary(tables: &[Table]) -> String {
             let thesis = if is_estimate(quantity) { percent(thesis) } else { "is the measure".into() };
             lines.push([format!("{}, %", without_unit(quantity)), thesis, percent(ours)]);
         }
-        if let Some((thesis, ours)) = table.largest_kgm_off() {
-            lines.push(["KGM itself".into(), number(thesis), number(Some(ours))]);
+        for quantity in KGM {
+            if let Some((thesis, ours)) = table.largest_kgm_off(quantity) {
+                lines.push([format!("{}, itself", named(quantity)), number(thesis), number(Some(ours))]);
+            }
         }
         for (at, [quantity, thesis, ours]) in lines.iter().enumerate() {
             let (name, title, height) = (table.name.name(), escaped(table.title), lines.len());
@@ -65,7 +67,7 @@ fn summary(tables: &[Table]) -> String {
         let _ = writeln!(
             text,
             "<div class=\"wide\"><table class=\"summary\"><caption>Largest errors: of an estimate against the true value, of a \
-             feature (table 6.3) against the thesis's</caption><thead><tr><th>table</th><th>quantity</th><th>thesis</th>\
+             feature (table 6.3) or a fitted constant against the thesis's</caption><thead><tr><th>table</th><th>quantity</th><th>thesis</th>\
              <th>ours</th></tr></thead><tbody>\n{rows}</tbody></table></div>"
         );
     }

@@ -148,10 +148,10 @@ impl Table {
     /// By how much the thesis's KGM and ours are off at most, where it was estimated: what the error in per cent does not tell
     /// where the true KGM is small or 0.
     #[must_use]
-    pub fn largest_kgm_off(&self) -> Option<(Option<f64>, f64)> {
+    pub fn largest_kgm_off(&self, quantity: &str) -> Option<(Option<f64>, f64)> {
         let off = |figure: fn(&Comparison) -> Option<f64>| {
             let of_row = |row: &Row| {
-                let estimate = row.quantities.iter().find(|comparison| comparison.quantity == "kgm_estimated")?;
+                let estimate = row.quantities.iter().find(|comparison| comparison.quantity == quantity)?;
                 Some((figure(estimate)? - row.kgm).abs())
             };
             self.rows.iter().filter_map(of_row).reduce(f64::max)
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(worst.len(), 3, "{worst:?}");
         assert!((worst["current_ma"].as_f64().unwrap() - 1.0).abs() < 1e-9 && worst["kgm_estimated"].is_null());
         assert_eq!(table.thesis_max_error_percent("fdj_estimated_n"), Some(1.0));
-        assert_eq!(table.largest_kgm_off(), Some((Some(0.01), 0.002)));
+        assert_eq!(table.largest_kgm_off("kgm_estimated"), Some((Some(0.01), 0.002)));
     }
 
     #[test]

@@ -29,6 +29,8 @@ const NAMES: [(&str, &str); 12] = [
     ("bell_b", "bell b"),
     ("peak_growth_s_per_m3", "growth of the peak, s/m³"),
 ];
+/// The estimates of KGM, whose error is told without per cent too.
+pub const KGM: [&str; 2] = ["kgm_estimated", "kgm_estimated_worst_seed"];
 /// How the names of the responses' quantities begin and end, and what stands there for people.
 const BEGIN: [(&str, &str); 5] = [
     ("current_", "Cor "),
@@ -146,9 +148,11 @@ pub fn told(table: &Table) -> String {
         let thesis = thesis.map_or_else(String::new, |error| format!("; the thesis's {error:.3} %"));
         lines.push(format!("Largest error of {}: {} %{thesis}", named(quantity), percent(ours)));
     }
-    if let Some((thesis, ours)) = table.largest_kgm_off() {
-        let thesis = thesis.map_or_else(String::new, |off| format!("; the thesis's by {off:.4}"));
-        lines.push(format!("KGM is off by at most {ours:.4}{thesis}"));
+    for quantity in KGM {
+        if let Some((thesis, ours)) = table.largest_kgm_off(quantity) {
+            let thesis = thesis.map_or_else(String::new, |off| format!("; the thesis's by {off:.4}"));
+            lines.push(format!("{} is off by at most {ours:.4}{thesis}", named(quantity)));
+        }
     }
     lines.extend(table.notes.iter().cloned());
     lines.extend(table.claims.iter().map(judged));
