@@ -9,10 +9,7 @@ use clap::Args;
 
 use super::Failure;
 use crate::models::checks::ParamsError;
-use crate::models::parameters::ParameterSet;
-
-/// The longest file of a parameter set, bytes (chosen: a hundred times the built-in one).
-const FILE_BYTES_MAX: u64 = 1_000_000;
+use crate::models::parameters::{ParameterSet, TEXT_BYTES_MAX};
 
 /// Which parameter set a command works with.
 #[derive(Debug, Args)]
@@ -33,7 +30,7 @@ fn parse_change(text: &str) -> Result<(String, String), String> {
 impl Choice {
     /// The set.
     pub(super) fn load(&self) -> Result<ParameterSet, Failure> {
-        let set = load(self.parameters.as_deref())?;
+        let set = self.parameters.as_deref().map_or_else(|| Ok(ParameterSet::reference()), load)?;
         if self.changes.is_empty() {
             return Ok(set);
         }
@@ -41,32 +38,38 @@ impl Choice {
     }
 }
 
-/// The built-in set of this name, or else the set in this file; without one, the built-in reference set.
-pub(super) fn load(name_or_file: Option<&Path>) -> Result<ParameterSet, Failure> {
-    let Some(path) = name_or_file.filter(|path| path.as_os_str() != ParameterSet::reference_name()) else {
+/// The built-in set of this name, or else the set in this file.
+pub(super) fn load(name_or_file: &Path) -> Result<ParameterSet, Failure> {
+    if is_built_in(name_or_file) {
         return Ok(ParameterSet::reference());
-    };
-    let text = read(path).map_err(Failure::usage)?;
-    ParameterSet::parse(&text).map_err(|errors| refused(&path.display().to_string(), &errors))
+    }
+    ParameterSet::parse(&read(name_or_file)?).map_err(|errors| refused(&name_or_file.display().to_string(), &errors))
+}
+
+/// Whether this is the name of the built-in set.
+pub(super) fn is_built_in(name_or_file: &Path) -> bool {
+    name_or_file.as_os_str() == ParameterSet::reference_name()
 }
 
 /// Every error of a set, after where it comes from.
-fn refused(place: &str, errors: &[ParamsError]) -> Failure {
+pub(super) fn refused(place: &str, errors: &[ParamsError]) -> Failure {
     let errors: Vec<_> = errors.iter().map(ToString::to_string).collect();
     Failure::usage(anyhow!("{place}: {}", errors.join("; ")))
 }
 
-fn read(path: &Path) -> anyhow::Result<String> {
+/// The text of a file that may hold a set.
+pub(super) fn read(path: &Path) -> Result<String, Failure> {
     let name = path.display();
-    let context = || format!("--parameters {name}: expected {} or a file", ParameterSet::reference_name());
+    let unread = || format!("{name}: expected {} or a file", ParameterSet::reference_name());
     let mut bytes = Vec::new();
-    let file = File::open(path).with_context(context)?;
-    file.take(FILE_BYTES_MAX + 1).read_to_end(&mut bytes).with_context(context)?;
-    if bytes.len() as u64 > FILE_BYTES_MAX {
-        return Err(anyhow!("{name}: found more than {FILE_BYTES_MAX} bytes, expected a parameter set"));
+    let file = File::open(path).with_context(unread).map_err(Failure::usage)?;
+    file.take(TEXT_BYTES_MAX as u64 + 1).read_to_end(&mut bytes).with_context(unread).map_err(Failure::usage)?;
+    if bytes.len() > TEXT_BYTES_MAX {
+        let text = anyhow!("{name}: found more than {TEXT_BYTES_MAX} bytes, expected a parameter set");
+        return Err(Failure::usage(text));
     }
     String::from_utf8(bytes).map_err(|error| {
         let line = error.as_bytes()[..error.utf8_error().valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-        anyhow!("{name}: line {}: found bytes that are no UTF-8, expected text", line + 1)
+        Failure::usage(anyhow!("{name}: line {}: found bytes that are no UTF-8, expected text", line + 1))
     })
 }

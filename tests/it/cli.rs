@@ -170,8 +170,8 @@ fn what_is_no_parameter_set_is_refused_by_its_name_and_place() {
         }
         assert_refused(&elevon(folder.path(), &["estimate", "x.csv", "--parameters", name]), says);
     };
-    refused("aileron", None, &["--parameters aileron", "expected reference or a file", "No such file"]);
-    refused(".", None, &["--parameters .: expected reference or a file", "directory"]);
+    refused("aileron", None, &["aileron: expected reference or a file", "No such file"]);
+    refused(".", None, &[".: expected reference or a file", "directory"]);
     refused("syntax.toml", Some(b"name = \"x\"\n[jack\n"), &["syntax.toml: line 2, column 6"]);
     refused("bytes.toml", Some(b"name = \"x\"\n\xff\n"), &["bytes.toml: line 2", "UTF-8"]);
     refused("long.toml", Some(&[b'#'; 1_000_001]), &["long.toml", "found more than 1000000 bytes"]);

@@ -48,10 +48,10 @@ pub fn run(args: &FitArgs) -> Result<(), Failure> {
 }
 
 /// A set that cannot be fitted is bad input; the rest is the work's failure.
-fn failed(name: &str, error: FitError) -> Failure {
+fn failed(set: &Path, error: FitError) -> Failure {
     match error {
         FitError::Cancelled => Failure::work(error),
-        error => Failure::usage(anyhow!("{name}: {error}")),
+        error => Failure::usage(anyhow!("{}: {error}", set.display())),
     }
 }
 

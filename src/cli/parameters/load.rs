@@ -1,30 +1,21 @@
-//! A parameter set by its name or file.
+//! A parameter set whose monitoring model is still to be fitted, by its name or file.
 
-use std::fs;
+use std::path::Path;
 
-use anyhow::{Context, anyhow};
+use anyhow::Context;
 
 use crate::cli::Failure;
+use crate::cli::parameter_sets::{is_built_in, read, refused};
 use crate::models::checks::ParamsError;
 use crate::models::parameters::ParameterSet;
 
-/// The longest file that is read as a parameter set, bytes: the built-in one has some ten thousand.
-const FILE_BYTES_MAX: u64 = 1_000_000;
-
-/// A whole set.
-pub fn whole(name: &str) -> Result<ParameterSet, Failure> {
-    if name == ParameterSet::reference_name() {
-        return Ok(ParameterSet::reference());
-    }
-    ParameterSet::parse(&text(name)?).map_err(|errors| refused(name, &errors))
-}
-
 /// A set that may lack what belongs to the monitoring model alone: what is missing is the built-in set's, and named.
-pub fn for_fit(name: &str) -> Result<(ParameterSet, Vec<String>), Failure> {
-    if name == ParameterSet::reference_name() {
+pub fn for_fit(name_or_file: &Path) -> Result<(ParameterSet, Vec<String>), Failure> {
+    if is_built_in(name_or_file) {
         return Ok((ParameterSet::reference(), Vec::new()));
     }
-    let text = text(name)?;
+    let text = read(name_or_file)?;
+    let name = name_or_file.display().to_string();
     let errors = match ParameterSet::parse(&text) {
         Ok(set) => return Ok((set, Vec::new())),
         Err(errors) => errors,
@@ -33,10 +24,10 @@ pub fn for_fit(name: &str) -> Result<(ParameterSet, Vec<String>), Failure> {
         .into_iter()
         .partition(|error| matches!(error, ParamsError::Missing { name, .. } if name.starts_with("monitoring.")));
     if !others.is_empty() {
-        return Err(refused(name, &others));
+        return Err(refused(&name, &others));
     }
     let built_in = ParameterSet::reference().to_json();
-    let mut table: toml::Table = text.parse().with_context(|| name.to_owned()).map_err(Failure::usage)?;
+    let mut table: toml::Table = text.parse().with_context(|| name.clone()).map_err(Failure::usage)?;
     let mut names = Vec::new();
     for error in missing {
         let value = built_in.pointer(&error.pointer()).and_then(serde_json::Value::as_f64);
@@ -45,7 +36,7 @@ pub fn for_fit(name: &str) -> Result<(ParameterSet, Vec<String>), Failure> {
             names.push(name);
         }
     }
-    ParameterSet::parse(&table.to_string()).map(|set| (set, names)).map_err(|errors| refused(name, &errors))
+    ParameterSet::parse(&table.to_string()).map(|set| (set, names)).map_err(|errors| refused(&name, &errors))
 }
 
 /// Puts a number at a path of names, making the tables on the way.
@@ -61,30 +52,19 @@ fn insert(table: &mut toml::Table, path: &str, value: f64) {
     }
 }
 
-fn text(name: &str) -> Result<String, Failure> {
-    let expected = || format!("{name}: found no such file, expected one, or the built-in set {:?}", "reference");
-    let bytes = fs::metadata(name).with_context(expected).map_err(Failure::usage)?.len();
-    if bytes > FILE_BYTES_MAX {
-        return Err(Failure::usage(anyhow!("{name}: found {bytes} bytes, expected at most {FILE_BYTES_MAX}")));
-    }
-    fs::read_to_string(name).with_context(|| name.to_owned()).map_err(Failure::usage)
-}
-
-/// Everything that is wrong, on one line.
-fn refused(name: &str, errors: &[ParamsError]) -> Failure {
-    let errors: Vec<String> = errors.iter().map(ToString::to_string).collect();
-    Failure::usage(anyhow!("{name}: {}", errors.join("; ")))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::fs;
+    use std::path::PathBuf;
 
-    fn file(text: &str) -> (tempfile::TempDir, String) {
+    use super::*;
+    use crate::cli::parameter_sets::load;
+
+    fn file(text: &str) -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("set.toml");
         fs::write(&path, text).unwrap();
-        (folder, path.display().to_string())
+        (folder, path)
     }
 
     fn error(failure: Failure) -> String {
@@ -101,7 +81,7 @@ mod tests {
         let (set, missing) = for_fit(&path).unwrap();
         assert_eq!(set, ParameterSet::reference());
         assert!(missing.len() > 20 && missing.iter().all(|name| name.starts_with("monitoring.")), "{missing:?}");
-        let refused = error(super::whole(&path).unwrap_err());
+        let refused = error(load(&path).unwrap_err());
         assert!(refused.contains("monitoring.fluid.spool_saturation_m: missing"), "{refused}");
     }
 
@@ -116,6 +96,9 @@ mod tests {
         for part in ["jack.area_m2: found 8, expected", "jack.mass_kg: missing", "spool_speed: found an unknown"] {
             assert!(refused.contains(part), "{part} is not in {refused}");
         }
-        assert!(error(for_fit("nowhere.toml").unwrap_err()).contains("nowhere.toml: found no such file"));
+        assert!(
+            error(for_fit(Path::new("nowhere.toml")).unwrap_err())
+                .contains("nowhere.toml: expected reference or a file")
+        );
     }
 }

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 
-use super::{Failure, print};
+use super::{Failure, parameter_sets, print};
 use crate::models::parameters::{Parameter, ParameterSet, Value};
 
 /// Arguments of `elevon parameters`.
@@ -35,7 +35,7 @@ enum Action {
 struct ShowArgs {
     /// The built-in set's name, or a file (TOML)
     #[arg(value_name = "NAME|FILE", default_value = ParameterSet::reference_name())]
-    set: String,
+    set: PathBuf,
     /// Only what this model needs
     #[arg(long)]
     model: Option<Model>,
@@ -48,14 +48,14 @@ struct ShowArgs {
 struct CheckArgs {
     /// The file (TOML)
     #[arg(value_name = "FILE")]
-    file: String,
+    file: PathBuf,
 }
 
 #[derive(Debug, Args)]
 struct FitArgs {
     /// The built-in set's name, or a file (TOML)
     #[arg(value_name = "NAME|FILE", default_value = ParameterSet::reference_name())]
-    set: String,
+    set: PathBuf,
     /// Where to write the whole set with its fitted values (TOML); - is standard output, without the report
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -92,7 +92,7 @@ struct Shown {
 }
 
 fn show(args: &ShowArgs) -> Result<(), Failure> {
-    let set = load::whole(&args.set)?;
+    let set = parameter_sets::load(&args.set)?;
     let model = match args.model {
         None => None,
         Some(Model::Reference) => Some("reference"),
@@ -127,6 +127,6 @@ fn shown(parameter: Parameter) -> Shown {
 }
 
 fn check(args: &CheckArgs) -> Result<(), Failure> {
-    let set = load::whole(&args.file)?;
-    print(&format!("{}: a valid set, {} {}\n", args.file, set.name(), set.hash()))
+    let set = parameter_sets::load(&args.file)?;
+    print(&format!("{}: a valid set, {} {}\n", args.file.display(), set.name(), set.hash()))
 }
