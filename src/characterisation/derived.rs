@@ -52,7 +52,7 @@ mod tests {
     fn validate_section_4_2_the_first_stage_is_the_reference_model_s_transfer_function() {
         let own = derived(&ParameterSet::reference());
         // sqrt((27000 + 6000)/0.003) and ASV GPF/(CS + ASV² GPF/GQF) = 8e6/8001.
-        assert!((own.first_stage.natural_frequency_rad_per_s - 3316.624_790_4).abs() < 1e-6);
+        assert!((own.first_stage.natural_frequency_rad_per_s - 3_316.624_790_4).abs() < 1e-6);
         assert!((own.second_stage.spool_speed_gain_per_s - 8e6 / 8001.0).abs() < 1e-9);
         assert_eq!(own.fluid.supply_pressure_differential_pa, 20e6);
     }
