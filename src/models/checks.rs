@@ -129,9 +129,16 @@ pub(crate) struct Checks {
     errors: Vec<ParamsError>,
     limits: Vec<Limits>,
     drawn: Vec<&'static str>,
+    /// Whether no range is drawn closer, because some value is not the set's own.
+    plain: bool,
 }
 
 impl Checks {
+    /// Checks of a set of which some values are stand-ins: what they would draw closer keeps its plain range.
+    pub(crate) fn plain() -> Self {
+        Self { plain: true, ..Self::default() }
+    }
+
     /// Notes a range, and a value that is not finite or not in `min..=max`.
     pub(crate) fn within(&mut self, name: &'static str, value: f64, min: f64, max: f64, unit: &'static str) {
         let limits = Limits { name, min, max, unit };
@@ -152,7 +159,7 @@ impl Checks {
         unit: &'static str,
     ) {
         self.drawn.push(name);
-        let (min, max) = if self.errors.is_empty() {
+        let (min, max) = if self.errors.is_empty() && !self.plain {
             (plain.0.max(readable(drawn.0)), plain.1.min(readable(drawn.1)))
         } else {
             plain
@@ -160,7 +167,7 @@ impl Checks {
         self.within(name, value, min, max, unit);
     }
 
-    /// The parameters whose range others draw closer.
+    /// The parameters whose range others draw closer, by [`Checks::within_drawn`].
     pub(crate) fn drawn(&self) -> &[&'static str] {
         &self.drawn
     }

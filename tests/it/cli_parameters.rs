@@ -55,7 +55,10 @@ fn a_bad_set_is_refused_in_one_line_with_all_its_errors() {
             assert!(error.contains(part), "{part} is not in {error}");
         }
     }
-    assert!(refusal(&parameters(folder.path(), &["fit", "nowhere.toml"])).contains("nowhere.toml: expected reference or a file"));
+    assert!(
+        refusal(&parameters(folder.path(), &["fit", "nowhere.toml"]))
+            .contains("nowhere.toml: expected reference or a file")
+    );
     let error = refusal(&parameters(folder.path(), &["fit", "--json", "--out", "-"]));
     assert!(error.contains("--out: found - with --json"), "{error}");
 }
