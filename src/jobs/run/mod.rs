@@ -119,7 +119,7 @@ pub enum Finding {
     /// An estimate.
     Estimation(Box<estimate::EstimationResult>),
     /// A trace, written.
-    Simulation(simulate::Written),
+    Simulation(Box<simulate::Written>),
 }
 
 /// What is computed, on a thread that may be busy for minutes.
@@ -146,7 +146,9 @@ impl Compute for Models {
             Work::Estimation(input) => {
                 estimate::compute(&input, watch).map(|result| Finding::Estimation(Box::new(result)))
             }
-            Work::Simulation(input) => simulate::compute(input, watch).map(Finding::Simulation),
+            Work::Simulation(input) => {
+                simulate::compute(input, watch).map(|written| Finding::Simulation(Box::new(written)))
+            }
         }
     }
 }
@@ -183,7 +185,7 @@ pub(super) async fn prepare(job: &Job, records: &dyn Records, traces: &dyn Trace
 pub(super) async fn conclude(finding: Finding, traces: &dyn Traces) -> Result<Outcome, RunError> {
     match finding {
         Finding::Estimation(result) => Ok(result.into_outcome()),
-        Finding::Simulation(written) => simulate::keep(written, traces).await.map_err(RunError::from),
+        Finding::Simulation(written) => simulate::keep(*written, traces).await.map_err(RunError::from),
     }
 }
 
