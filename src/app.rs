@@ -17,7 +17,7 @@ use crate::config::Config;
 use crate::http::limits::Limits;
 use crate::http::{self, App};
 use crate::jobs::dispatch::InProcess;
-use crate::jobs::{JobSettings, Jobs};
+use crate::jobs::{JobSettings, Jobs, sets};
 use crate::store::local::{LocalTraces, create_durably};
 use crate::store::sqlite::SqliteRecords;
 use crate::store::{Records, StoreError, Traces};
@@ -102,6 +102,7 @@ impl Application {
         let listener = TcpListener::bind(address).await.map_err(in_use)?;
         let address = listener.local_addr().map_err(in_use)?;
         let records = SqliteRecords::open(data).await?;
+        sets::keep_built_in(&records).await?;
         let app = app(config, &records, LocalTraces::open(&data.join(TRACES_DIR))?);
         let jobs = app.jobs.clone();
         Ok(Self { listener, address, router: http::router::router(app), jobs, records, _lock: lock })

@@ -2,11 +2,13 @@
 //!
 //! A trace goes in (command, servovalve current, load pressure), the faults that grow in the actuator and its
 //! remaining useful life come out. The layers, from the inside out: [`numeric`] and [`units`]; [`models`] of the
-//! actuator; [`optimiser`] and [`estimation`]; [`prognostics`]; [`formats`]; [`store`], [`jobs`], [`http`] and the
-//! commands in [`cli`]. Dependencies point inward only (`docs/architecture.md`).
+//! actuator; [`optimiser`], [`estimation`] and [`characterisation`]; [`prognostics`]; [`reproduction`] of the thesis;
+//! [`formats`]; [`store`], [`jobs`], [`http`] and the commands in [`cli`]. Dependencies point inward only
+//! (`docs/architecture.md`).
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test that cannot go on should panic"))]
 
 pub mod app;
+pub mod characterisation;
 pub mod cli;
 pub mod config;
 pub mod estimation;
@@ -17,6 +19,7 @@ pub mod models;
 pub mod numeric;
 pub mod optimiser;
 pub mod prognostics;
+pub mod reproduction;
 pub mod store;
 pub mod telemetry;
 pub mod units;

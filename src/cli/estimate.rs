@@ -8,12 +8,16 @@ use clap::Args;
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::parameter_sets::Choice;
 use super::progress::{Bar, Part};
 use super::{Failure, first_of, print, read_file, refused};
 use crate::estimation::{Estimate, Settings, estimate};
 use crate::formats::{self, FormatError, ReadOptions};
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::Trace;
+
+/// The characters of a parameter set's hash that a person is shown: as many as the service needs to find it again.
+const HASH_SHOWN_CHARS: usize = 8;
 
 /// Arguments of `elevon estimate`.
 #[derive(Debug, Args)]
@@ -36,6 +40,8 @@ pub struct EstimateArgs {
     /// Samples per second of a file without times
     #[arg(long, value_name = "F")]
     sample_rate_hz: Option<f64>,
+    #[command(flatten)]
+    parameters: Choice,
     /// One JSON document on standard output
     #[arg(long)]
     json: bool,
@@ -55,7 +61,7 @@ pub fn run(args: &EstimateArgs) -> Result<(), Failure> {
     let columns = ReadOptions::parse_columns(&args.columns).map_err(|errors| bad_input(&errors))?;
     let options = ReadOptions { columns, sample_rate_hz: args.sample_rate_hz };
     let settings = Settings { population: args.population, generations: args.generations, seed: args.seed };
-    let set = ParameterSet::reference();
+    let set = args.parameters.load()?;
     let bar = Bar::new("estimating");
     let parts = bar.parts(args.files.len());
     let reports: Vec<Report<'_>> = args
@@ -71,7 +77,7 @@ pub fn run(args: &EstimateArgs) -> Result<(), Failure> {
     if args.json {
         print(&(serde_json::to_string_pretty(&reports).map_err(Failure::work)? + "\n"))
     } else {
-        print(&reports.iter().map(told).collect::<String>())
+        print(&reports.iter().map(|report| told(report, &set)).collect::<String>())
     }
 }
 
@@ -98,7 +104,7 @@ fn bad_input(errors: &[FormatError]) -> Failure {
 }
 
 /// A report for a person.
-fn told(report: &Report<'_>) -> String {
+fn told(report: &Report<'_>, set: &ParameterSet) -> String {
     let estimate = &report.estimate;
     let mut lines = vec![report.file.display().to_string()];
     match (estimate.kgm.zip(estimate.kgm_std), estimate.fdj_n.zip(estimate.fdj_n_std)) {
@@ -110,6 +116,8 @@ fn told(report: &Report<'_>) -> String {
     }
     lines.extend(estimate.reasons.iter().map(|reason| format!("  {reason}")));
     let (evaluations, ms) = (estimate.evaluations, report.elapsed_s * 1e3);
-    lines.push(format!("  {evaluations} model runs, seed {}, {ms:.0} ms\n", estimate.seed));
+    let (name, hash) = (set.name(), &set.hash()[..HASH_SHOWN_CHARS]);
+    lines
+        .push(format!("  {evaluations} model runs, seed {}, parameter set {name}@{hash}, {ms:.0} ms\n", estimate.seed));
     lines.join("\n")
 }

@@ -5,7 +5,10 @@
 mod demo;
 mod estimate;
 mod openapi;
+mod parameter_sets;
+mod parameters;
 mod progress;
+mod reproduce;
 mod serve;
 mod simulate;
 
@@ -38,6 +41,10 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Estimate faults from traces, without a server
     Estimate(estimate::EstimateArgs),
+    /// Make the thesis's tables and figures again, ours beside the thesis's
+    Reproduce(reproduce::ReproduceArgs),
+    /// Show a parameter set, check one, or fit its monitoring model to its reference model
+    Parameters(parameters::ParametersArgs),
     /// Print the HTTP interface's specification as YAML
     Openapi,
 }
@@ -49,6 +56,8 @@ impl Command {
             Self::Demo(args) => demo::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
+            Self::Reproduce(args) => reproduce::run(&args),
+            Self::Parameters(args) => parameters::run(&args),
             Self::Openapi => openapi::run(),
         }
     }

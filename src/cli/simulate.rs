@@ -7,14 +7,15 @@ use std::str::FromStr;
 use anyhow::{Context, anyhow};
 use clap::{Args, ValueEnum};
 
+use super::parameter_sets::Choice;
 use super::progress::Bar;
 use super::{Failure, print};
 use crate::formats::{self, Format, ReadOptions};
 use crate::models::drive::{Drive, DriveError};
 use crate::models::fault::Faults;
-use crate::models::parameters::ParameterSet;
+use crate::models::monitoring::fluid::FluidModel;
 use crate::models::signal::Signal;
-use crate::models::simulate::{ModelKind, Quantity, Simulation, SimulationError, simulate};
+use crate::models::simulate::{ModelKind, Quantity, Simulation, simulate};
 use crate::models::trace::Channel;
 
 /// Arguments of `elevon simulate`.
@@ -23,6 +24,10 @@ pub struct SimulateArgs {
     /// The model to run
     #[arg(long)]
     model: Model,
+    /// The monitoring model's fluid: of section 5.1, 5.2 or 5.3 (its first version without the lag is for curves: in the closed
+    /// loop it oscillates) [default: developed]
+    #[arg(long)]
+    fluid: Option<Fluid>,
     /// diagnostic, step:LEVEL, ramp:SLOPE, sine:AMPLITUDE@HZ, chirp:AMPLITUDE@HZ-HZ (over the whole run),
     /// sequence:LEVEL@TIME,... or file:FILE, the position_command of a .csv or .json (m, m/s, Hz, s)
     #[arg(long, value_name = "SPEC", allow_hyphen_values = true)]
@@ -55,6 +60,8 @@ pub struct SimulateArgs {
     /// Samples per second, 1 to 100000
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, allow_negative_numbers = true)]
     sample_rate: f64,
+    #[command(flatten)]
+    parameters: Choice,
     /// Where to: .csv or .json by its extension; - is CSV on standard output
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
@@ -109,6 +116,26 @@ const FILE: &str = "file:";
 /// The length of a trace, s, when neither it nor a recorded command says so.
 const DURATION_S: f64 = 6.0;
 
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Fluid {
+    Linear,
+    Evolved,
+    #[value(name = "developed_without_lag")]
+    DevelopedWithoutLag,
+    Developed,
+}
+
+impl From<Fluid> for FluidModel {
+    fn from(fluid: Fluid) -> Self {
+        match fluid {
+            Fluid::Linear => Self::Linear,
+            Fluid::Evolved => Self::Evolved,
+            Fluid::DevelopedWithoutLag => Self::DevelopedWithoutLag,
+            Fluid::Developed => Self::Developed,
+        }
+    }
+}
+
 /// The faults that `--fault` knows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Fault {
@@ -147,15 +174,13 @@ fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
 pub fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let format = output_format(&args.out)?;
     let recipe = recipe(args)?;
-    if let Some(error) = recipe.check().into_iter().next() {
-        return Err(Failure::usage(error));
+    let set = args.parameters.load()?;
+    let errors: Vec<String> = recipe.check(&set).iter().map(ToString::to_string).collect();
+    if !errors.is_empty() {
+        return Err(Failure::usage(anyhow!("{}", errors.join("; "))));
     }
     let bar = Bar::new("simulating");
-    let set = ParameterSet::reference();
-    let trace = simulate(&recipe, &set, &bar).map_err(|error| match error {
-        SimulationError::OutOfRange { .. } | SimulationError::Supply { .. } => Failure::usage(error),
-        SimulationError::Diverged { .. } | SimulationError::Cancelled => Failure::work(error),
-    })?;
+    let trace = simulate(&recipe, &set, &bar).map_err(Failure::work)?;
     bar.finish();
     write(&args.out, &formats::write_with(format, &trace, &recipe.provenance(&set).to_json()))
 }
@@ -194,6 +219,7 @@ fn recipe(args: &SimulateArgs) -> Result<Simulation, Failure> {
     };
     let duration_s = args.duration.or(recorded_s).unwrap_or(DURATION_S);
     Ok(Simulation {
+        fluid: args.fluid.map(FluidModel::from),
         external_load_n: outside(args.external_load.as_ref(), Channel::ExternalLoad)?,
         supply_pressure_pa: outside(args.supply_pressure.as_ref(), Channel::SupplyPressure)?,
         noise_power_ma2_s: args.noise_power,

@@ -34,6 +34,14 @@ pub enum ApiError {
         /// What was given as its id.
         id: String,
     },
+    /// No record has this name.
+    #[error("no {what} is named {name:?}")]
+    NotNamed {
+        /// The kind of record.
+        what: &'static str,
+        /// What was given as its name.
+        name: String,
+    },
     /// The request cannot be read: unknown names, wrong types, broken syntax.
     #[error("the request cannot be read: {}", summary(.0))]
     Malformed(Vec<FieldError>),
@@ -94,6 +102,14 @@ pub enum ApiError {
         /// The value.
         value: String,
     },
+    /// A value is kept for the service itself.
+    #[error("{field} {value:?} is that of a built-in record, expected another {field}")]
+    Reserved {
+        /// The field.
+        field: &'static str,
+        /// The value.
+        value: String,
+    },
     /// The job has ended and cannot be cancelled any more.
     #[error("the job has {} already and cannot be cancelled", state.name())]
     JobOver {
@@ -138,12 +154,17 @@ impl ApiError {
         Self::Malformed(vec![FieldError::new(pointer, detail)])
     }
 
+    /// One field that can be read and is out of its range.
+    pub fn invalid(pointer: impl Into<String>, detail: impl Into<String>) -> Self {
+        Self::Invalid(vec![FieldError::new(pointer, detail)])
+    }
+
     /// The status, the problem type's last part and its title.
     fn kind(&self) -> (StatusCode, &'static str, &'static str) {
         match self {
             Self::UnknownPath => (StatusCode::NOT_FOUND, "unknown-path", "Unknown path"),
             Self::ForeignHost { .. } => (StatusCode::MISDIRECTED_REQUEST, "foreign-host", "Foreign host"),
-            Self::NotFound { .. } => (StatusCode::NOT_FOUND, "not-found", "No such record"),
+            Self::NotFound { .. } | Self::NotNamed { .. } => (StatusCode::NOT_FOUND, "not-found", "No such record"),
             Self::Malformed(_) => (StatusCode::BAD_REQUEST, "malformed-request", "Malformed request"),
             Self::EmptyBody { .. } => (StatusCode::BAD_REQUEST, "empty-body", "Empty body"),
             Self::BrokenBody => (StatusCode::BAD_REQUEST, "broken-body", "Incomplete body"),
@@ -159,6 +180,7 @@ impl ApiError {
             Self::TooLarge { .. } => (StatusCode::PAYLOAD_TOO_LARGE, "body-too-large", "Body too large"),
             Self::SlowBody { .. } => (StatusCode::REQUEST_TIMEOUT, "slow-body", "Body too slow"),
             Self::Taken { .. } => (StatusCode::CONFLICT, "taken", "Value taken"),
+            Self::Reserved { .. } => (StatusCode::CONFLICT, "reserved", "Value reserved"),
             Self::JobOver { .. } => (StatusCode::CONFLICT, "job-over", "Job over"),
             Self::QueueFull { .. } => (StatusCode::SERVICE_UNAVAILABLE, "queue-full", "Queue full"),
             Self::StoreBusy(_) => (StatusCode::SERVICE_UNAVAILABLE, "store-busy", "Store busy or full"),
@@ -176,6 +198,10 @@ impl ApiError {
             }
             Self::Taken { field, value } => {
                 vec![FieldError::new(format!("/{field}"), format!("found {value:?}, which is taken already"))]
+            }
+            Self::Reserved { field, value } => {
+                let detail = format!("found {value:?}, which is that of a built-in record, expected another {field}");
+                vec![FieldError::new(format!("/{field}"), detail)]
             }
             _ => Vec::new(),
         }

@@ -26,6 +26,7 @@ use super::router;
     components(schemas(ProblemDocument, FieldError)),
     tags(
         (name = "actuators", description = "The fleet's actuators, their maintenance, health and forecasts"),
+        (name = "parameter sets", description = "Actuator types: the parameters of the models, built in or a user's own"),
         (name = "traces", description = "What was recorded on an actuator, or simulated"),
         (name = "jobs", description = "Estimations and simulations: queued, running, over"),
         (name = "service", description = "The service itself")

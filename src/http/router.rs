@@ -41,6 +41,7 @@ fn documented() -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(openapi::base())
         .merge(routes::actuators::routes())
         .merge(routes::traces::routes())
+        .merge(routes::parameter_sets::routes())
         .merge(routes::simulations::routes())
         .merge(routes::jobs::routes())
         .merge(routes::health::routes())

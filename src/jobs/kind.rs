@@ -6,7 +6,8 @@ use utoipa::ToSchema;
 use crate::estimation;
 use crate::models::drive::{Drive, DriveError};
 use crate::models::fault::Faults;
-use crate::models::simulate::{ModelKind, Simulation};
+use crate::models::monitoring::fluid::FluidModel;
+use crate::models::simulate::{ModelKind, Quantity, Simulation};
 use crate::store::records::{Id, JobKind};
 
 /// What a job does, with all that it needs to know.
@@ -35,23 +36,38 @@ impl JobSpec {
     }
 }
 
-/// A simulation to run with the built-in reference parameters; its result is a trace.
+/// A simulation to run; its result is a trace.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 #[schema(as = NewSimulation, example = json!({
-    "model": "reference", "command": "diagnostic", "faults": {"kgm": 0.2, "fdj_n": 500.0}, "noise_power": 5e-6,
-    "seed": 7, "duration_s": 1.0, "sample_rate_hz": 10000.0
+    "model": "reference", "parameter_set": "reference", "command": "diagnostic",
+    "faults": {"kgm": 0.2, "fdj_n": 500.0}, "noise_power": 5e-6, "seed": 7, "duration_s": 1.0, "sample_rate_hz": 10000.0
 }))]
 pub struct SimulationSpec {
     /// The model.
     pub model: ModelKind,
-    /// The command: `diagnostic`, `step:0.1`, `ramp:0.1`, `sine:0.2@5` or `sequence:0.1@0,-0.05@0.5` (level@time); m, m/s,
-    /// Hz, s.
+    /// The parameter set: NAME, the version of that name that was kept last, or NAME@HASH, the one whose hash begins with
+    /// these 8 or more digits; `reference` unless told. The version is chosen when the job is accepted.
+    #[serde(default)]
+    pub parameter_set: Option<String>,
+    /// The monitoring model's fluid; `developed` unless told. The reference model has its own.
+    #[serde(default)]
+    pub fluid: Option<FluidModel>,
+    /// The command: `diagnostic`, `step:0.1`, `ramp:0.1`, `sine:0.2@5`, `chirp:0.05@0.5-10` (linear over the duration) or
+    /// `sequence:0.1@0,-0.05@0.5` (level@time); m, m/s, Hz, s.
     #[schema(min_length = 1, max_length = 10000)]
     pub command: String,
     /// The faults; without it, a healthy actuator.
     #[serde(default)]
     pub faults: Faults,
+    /// External load on the jack beside the parameter set's, N, positive against a positive velocity.
+    #[serde(default)]
+    #[schema(minimum = -1000000, maximum = 1000000)]
+    pub external_load_n: Option<f64>,
+    /// Absolute supply pressure, Pa, at most twice the parameter set's; the parameter set's unless told.
+    #[serde(default)]
+    #[schema(minimum = 0)]
+    pub supply_pressure_pa: Option<f64>,
     /// Power of the white noise on the current, mA² s; 5e-6 in the thesis.
     #[serde(default)]
     #[schema(minimum = 0, maximum = 1, default = 0.0)]
@@ -85,7 +101,14 @@ impl SimulationSpec {
     #[must_use]
     pub fn recipe_with(&self, command: Drive) -> Simulation {
         let quiet = Simulation::new(self.model, command, self.faults, self.duration_s, self.sample_rate_hz);
-        Simulation { noise_power_ma2_s: self.noise_power, seed: self.seed, ..quiet }
+        Simulation {
+            fluid: self.fluid,
+            external_load_n: self.external_load_n.map(Quantity::Constant),
+            supply_pressure_pa: self.supply_pressure_pa.map(Quantity::Constant),
+            noise_power_ma2_s: self.noise_power,
+            seed: self.seed,
+            ..quiet
+        }
     }
 }
 
@@ -97,7 +120,11 @@ mod tests {
     fn a_spec_is_read_back_as_it_was_written() {
         let simulation = SimulationSpec {
             model: ModelKind::Reference,
+            parameter_set: Some("mine@0123456789".into()),
+            fluid: None,
             command: "diagnostic".into(),
+            external_load_n: Some(-0.1),
+            supply_pressure_pa: None,
             faults: Faults { kgm: 0.1 + 0.2, ..Faults::default() },
             noise_power: 5e-6,
             seed: u64::MAX,

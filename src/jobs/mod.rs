@@ -6,6 +6,7 @@
 pub mod dispatch;
 pub mod kind;
 pub mod run;
+pub mod sets;
 pub mod text;
 mod watching;
 mod worker;

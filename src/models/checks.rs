@@ -128,9 +128,17 @@ impl ParamsError {
 pub(crate) struct Checks {
     errors: Vec<ParamsError>,
     limits: Vec<Limits>,
+    drawn: Vec<&'static str>,
+    /// Whether no range is drawn closer, because some value is not the set's own.
+    plain: bool,
 }
 
 impl Checks {
+    /// Checks of a set of which some values are stand-ins: what they would draw closer keeps its plain range.
+    pub(crate) fn plain() -> Self {
+        Self { plain: true, ..Self::default() }
+    }
+
     /// Notes a range, and a value that is not finite or not in `min..=max`.
     pub(crate) fn within(&mut self, name: &'static str, value: f64, min: f64, max: f64, unit: &'static str) {
         let limits = Limits { name, min, max, unit };
@@ -140,8 +148,37 @@ impl Checks {
         }
     }
 
+    /// As [`Checks::within`], where other values draw the range closer. While a value is known to be wrong the range is
+    /// the plain one: a wrong value draws nothing.
+    pub(crate) fn within_drawn(
+        &mut self,
+        name: &'static str,
+        value: f64,
+        plain: (f64, f64),
+        drawn: (f64, f64),
+        unit: &'static str,
+    ) {
+        self.drawn.push(name);
+        let (min, max) = if self.errors.is_empty() && !self.plain {
+            (plain.0.max(readable(drawn.0)), plain.1.min(readable(drawn.1)))
+        } else {
+            plain
+        };
+        self.within(name, value, min, max, unit);
+    }
+
+    /// The parameters whose range others draw closer, by [`Checks::within_drawn`].
+    pub(crate) fn drawn(&self) -> &[&'static str] {
+        &self.drawn
+    }
+
     /// The errors and the ranges, in the order of the checks.
     pub(crate) fn into_parts(self) -> (Vec<ParamsError>, Vec<Limits>) {
         (self.errors, self.limits)
     }
+}
+
+/// A computed bound to three digits, as it is told.
+fn readable(bound: f64) -> f64 {
+    format!("{bound:.2e}").parse().unwrap_or(bound)
 }

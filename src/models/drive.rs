@@ -66,6 +66,7 @@ pub struct DriveError {
 impl Drive {
     /// The commanded position, m, at a time of a run of this duration.
     #[must_use]
+    #[inline]
     pub fn position_m(&self, time_s: f64, duration_s: f64) -> f64 {
         match self {
             Self::Diagnostic if time_s < 2.0 => 0.1 * time_s,

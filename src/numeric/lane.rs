@@ -27,6 +27,8 @@ pub trait Lane:
     fn splat(token: Self::Token, value: f64) -> Self;
     /// The magnitude.
     fn abs(self) -> Self;
+    /// The square root, rounded correctly.
+    fn sqrt(self) -> Self;
     /// Where `self < other`: `then`, elsewhere `otherwise`.
     fn if_less(self, other: Self, then: Self, otherwise: Self) -> Self;
 
@@ -72,6 +74,11 @@ impl Lane for f64 {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::sqrt(self)
+    }
+
+    #[inline(always)]
     fn if_less(self, other: Self, then: Self, otherwise: Self) -> Self {
         if self < other { then } else { otherwise }
     }
@@ -112,6 +119,11 @@ impl<S: Simd> Lane for Register<S> {
     #[inline(always)]
     fn abs(self) -> Self {
         Self { values: self.simd.abs_f64s(self.values), ..self }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self { values: self.simd.sqrt_f64s(self.values), ..self }
     }
 
     #[inline(always)]
@@ -174,6 +186,11 @@ impl<A: Lane, B: Lane<Token = A::Token>> Lane for Both<A, B> {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.sqrt(), self.1.sqrt())
+    }
+
+    #[inline(always)]
     fn if_less(self, other: Self, then: Self, otherwise: Self) -> Self {
         Self(self.0.if_less(other.0, then.0, otherwise.0), self.1.if_less(other.1, then.1, otherwise.1))
     }
@@ -209,6 +226,44 @@ impl<A: Lane, B: Lane> Neg for Both<A, B> {
     #[inline(always)]
     fn neg(self) -> Self {
         Self(-self.0, -self.1)
+    }
+}
+
+/// Four numbers in lock-step, whatever the instruction set: side by side in one register, or as pairs of plain numbers.
+pub trait Four: Lane {
+    /// The four numbers as a lane.
+    fn of(token: Self::Token, numbers: [f64; 4]) -> Self;
+
+    /// The lane's numbers.
+    fn numbers(self) -> [f64; 4];
+}
+
+/// Four plain numbers.
+pub type Plain = Both<Both<f64, f64>, Both<f64, f64>>;
+
+impl Four for Plain {
+    #[inline(always)]
+    fn of((): (), [a, b, c, d]: [f64; 4]) -> Self {
+        Self(Both(a, b), Both(c, d))
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 4] {
+        [self.0.0, self.0.1, self.1.0, self.1.1]
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Four for Register<pulp::x86::V3> {
+    #[inline(always)]
+    fn of(simd: pulp::x86::V3, [a, b, c, d]: [f64; 4]) -> Self {
+        Self { simd, values: pulp::f64x4(a, b, c, d) }
+    }
+
+    #[inline(always)]
+    fn numbers(self) -> [f64; 4] {
+        let pulp::f64x4(a, b, c, d) = self.values;
+        [a, b, c, d]
     }
 }
 
@@ -267,7 +322,7 @@ mod tests {
     fn mixture<L: Lane>(a: L, b: L) -> L {
         let sum = a + b * 3.0 - a / (b + 0.1);
         let selected = sum.abs().min(a.max(b)).clip(b.same(2.0));
-        (-selected) + a.sign_times(b) * a.if_less(b, a.same(1.0), b.same(-1.0)) / 7.0 + 1.0 - 0.3
+        (-selected) + a.sqrt() + a.sign_times(b) * a.if_less(b, a.same(1.0), b.same(-1.0)) / 7.0 + 1.0 - 0.3
     }
 
     struct Mixture<'a> {

@@ -11,7 +11,10 @@ use async_trait::async_trait;
 use jiff::Timestamp;
 use thiserror::Error;
 
-use records::{Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, TraceRecord};
+use records::{
+    Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, ParameterSetRecord,
+    TraceRecord,
+};
 
 /// Why the store could not do what was asked.
 #[derive(Debug, Error)]
@@ -141,8 +144,22 @@ pub trait Records: Send + Sync {
     async fn insert_actuator(&self, actuator: &Actuator) -> Result<(), StoreError>;
     /// One actuator.
     async fn actuator(&self, id: Id) -> Result<Option<Actuator>, StoreError>;
+    /// Pins an actuator to another version of a parameter set, and returns it as it is now.
+    async fn pin_actuator(&self, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError>;
     /// Actuators in the order of their registration.
     async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError>;
+
+    /// Keeps a version of a parameter set unless one of its name and hash is kept already: the record as it is kept, and
+    /// whether it is new.
+    async fn insert_parameter_set(&self, set: &ParameterSetRecord) -> Result<(ParameterSetRecord, bool), StoreError>;
+    /// At a start: keeps the set that is built into the program, and pins every actuator of its name to it.
+    async fn keep_built_in_set(&self, set: &ParameterSetRecord) -> Result<(), StoreError>;
+    /// The version of a parameter set that was kept last.
+    async fn newest_parameter_set(&self, name: &str) -> Result<Option<ParameterSetRecord>, StoreError>;
+    /// The versions of a parameter set whose hash begins with `prefix`, at most two: enough to see that it is not unique.
+    async fn parameter_sets_by_hash(&self, name: &str, prefix: &str) -> Result<Vec<ParameterSetRecord>, StoreError>;
+    /// Every version of every parameter set, in the order in which they were kept.
+    async fn parameter_sets(&self, page: &Page) -> Result<Paged<ParameterSetRecord>, StoreError>;
 
     /// Keeps a trace and the job that will estimate from it, both or neither.
     async fn insert_upload(&self, trace: &TraceRecord, job: &NewJob, queue_limit: u64) -> Result<(), StoreError>;

@@ -108,6 +108,8 @@ pub struct Actuator {
     pub location: String,
     /// The name of its parameter set.
     pub parameter_set: String,
+    /// The hash of the version of it that the actuator is pinned to. The built-in set's is that of the running program.
+    pub parameter_set_hash: String,
     /// Its failure thresholds.
     pub thresholds: Thresholds,
     /// What its usage counts.
@@ -117,6 +119,21 @@ pub struct Actuator {
     /// Grows with every change to its history.
     #[serde(skip)]
     pub revision: i64,
+}
+
+/// A version of a parameter set as it is kept. It never changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParameterSetRecord {
+    /// Opaque id; of two versions of a name, the newer has the greater one.
+    pub id: Id,
+    /// The set's name.
+    pub name: String,
+    /// SHA-256 of its name and values, in hexadecimal.
+    pub hash: String,
+    /// Its sections, as JSON (`models::parameters::ParameterSet::to_json`).
+    pub parameters: serde_json::Value,
+    /// When it was kept.
+    pub created_at: Timestamp,
 }
 
 /// What is known of a trace beside its bytes.

@@ -100,3 +100,80 @@ fn columns_are_mapped_by_an_option() {
     let reports: Vec<Value> = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(reports[0]["verdict"], "conclusive");
 }
+
+/// The built-in set's text with parts of it replaced.
+fn set_with(replaced: &[(&str, &str)]) -> String {
+    let mut text = include_str!("../../config/actuators/reference.toml").to_owned();
+    for (from, to) in replaced {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    text
+}
+
+#[test]
+fn a_file_s_parameters_change_the_trace_and_the_estimate_and_its_hash() {
+    let folder = tempfile::tempdir().unwrap();
+    let changed = set_with(&[("name = \"reference\"", "name = \"large\""), ("area_m2 = 8.0e-4", "area_m2 = 8.8e-4")]);
+    std::fs::write(folder.path().join("large.toml"), changed).unwrap();
+    let sets =
+        [("built-in", &[][..]), ("named", &["--parameters", "reference"]), ("file", &["--parameters", "large.toml"])];
+    let (mut traces, mut reports) = (Vec::new(), Vec::new());
+    for (name, option) in sets {
+        let file = format!("{name}.csv");
+        let simulated = elevon(folder.path(), &[&SIMULATE[..], &["--fdj-n", "400", "--out", &file], option].concat());
+        assert!(simulated.status.success(), "{}", String::from_utf8_lossy(&simulated.stderr));
+        traces.push(std::fs::read(folder.path().join(file)).unwrap());
+        let estimated = elevon(folder.path(), &[&["estimate", "built-in.csv", "--json"], option].concat());
+        let mut report: Vec<Value> = serde_json::from_slice(&estimated.stdout).unwrap();
+        reports.push(report.remove(0));
+    }
+    assert!(traces[0] == traces[1] && traces[0] != traces[2]);
+    let field = |name: &str| reports.iter().map(|report| report[name].clone()).collect::<Vec<_>>();
+    let (hashes, frictions) = (field("parameter_set_hash"), field("fdj_n"));
+    assert!(hashes[0] == hashes[1] && hashes[0] != hashes[2], "{hashes:?}");
+    assert_eq!(frictions[0], frictions[1]);
+    // The creeping jack's pressure is friction over area: as much pressure on a tenth more area is a tenth more friction.
+    let ratio = frictions[2].as_f64().unwrap() / frictions[0].as_f64().unwrap();
+    assert!((ratio - 1.1).abs() < 0.01, "{frictions:?}");
+    let told = elevon(folder.path(), &["estimate", "built-in.csv", "--parameters", "large.toml"]);
+    let shown = format!("parameter set large@{}", &hashes[2].as_str().unwrap()[..8]);
+    assert!(String::from_utf8(told.stdout).unwrap().contains(&shown), "{shown}");
+}
+
+#[test]
+fn every_error_of_a_parameter_file_is_told_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let bad = set_with(&[
+        ("area_m2 = 8.0e-4", "area_m2 = -1.0"),
+        ("mass_kg = 10.0", "mass_lb = 22.0"),
+        ("oil = \"constant\"", "oil = \"olive\""),
+    ]);
+    std::fs::write(folder.path().join("bad.toml"), bad).unwrap();
+    let says = [
+        "bad.toml: jack.mass_lb: found an unknown parameter, expected area_m2, ",
+        "; jack.area_m2: found -1, expected 1e-6 to 1 m2; jack.mass_kg: missing, expected 0.01 to 10000 kg",
+        "; reference.oil.oil: found \"olive\", expected one of constant,",
+    ];
+    let simulated = elevon(folder.path(), &[&SIMULATE[..], &["--parameters", "bad.toml", "--out", "x.csv"]].concat());
+    assert_refused(&simulated, &says);
+    assert!(!folder.path().join("x.csv").exists());
+    assert_refused(&elevon(folder.path(), &["estimate", "x.csv", "--parameters", "bad.toml"]), &says);
+}
+
+#[test]
+fn what_is_no_parameter_set_is_refused_by_its_name_and_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |name: &str, bytes: Option<&[u8]>, says: &[&str]| {
+        if let Some(bytes) = bytes {
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        assert_refused(&elevon(folder.path(), &["estimate", "x.csv", "--parameters", name]), says);
+    };
+    refused("aileron", None, &["aileron: expected reference or a file", "No such file"]);
+    refused(".", None, &[".: expected reference or a file", "directory"]);
+    refused("syntax.toml", Some(b"name = \"x\"\n[jack\n"), &["syntax.toml: line 2, column 6"]);
+    refused("bytes.toml", Some(b"name = \"x\"\n\xff\n"), &["bytes.toml: line 2", "UTF-8"]);
+    refused("long.toml", Some(&[b'#'; 1_000_001]), &["long.toml", "found more than 1000000 bytes"]);
+    refused("empty.toml", Some(b""), &["empty.toml: name: missing, expected a text; controller."]);
+}

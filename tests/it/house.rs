@@ -5,7 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Layers that compute and must not touch the world.
-const CORE: [&str; 6] = ["units", "numeric", "models", "optimiser", "estimation", "prognostics"];
+const CORE: [&str; 8] =
+    ["units", "numeric", "models", "optimiser", "estimation", "characterisation", "prognostics", "reproduction"];
 
 /// The world, as it would be named.
 const WORLD: [&str; 12] = [

@@ -138,6 +138,51 @@ async fn every_field_of_a_simulation_out_of_range_is_told_at_once() {
     service.assert_nothing_is_stored().await;
 }
 
+/// The last value of a column of the trace that a simulation makes.
+async fn simulated_end(service: &Service, changes: Value, column: &str) -> f64 {
+    let mut body = json!({"model": "monitoring", "command": "ramp:0.05", "duration_s": 1.0, "sample_rate_hz": 100.0});
+    body.as_object_mut().unwrap().extend(changes.as_object().unwrap().clone());
+    let queued = service.post_json("/v1/simulations", &body).await.expect(StatusCode::ACCEPTED);
+    service.work().await;
+    let done = service.get(queued.header("location")).await.expect(StatusCode::OK);
+    assert_eq!(done.text("/state"), "succeeded", "{}", done.json());
+    let trace = done.text("/result/trace_id");
+    let data = data_as(service, &trace, "application/json").await.expect(StatusCode::OK);
+    let values = data.value(&format!("/columns/{column}"));
+    values.as_array().unwrap().last().unwrap().as_f64().unwrap()
+}
+
+#[tokio::test]
+async fn a_simulation_chooses_its_fluid_load_and_supply() {
+    let service = Service::new().await;
+    let pressure = async |changes: Value| simulated_end(&service, changes, "load_pressure_pa").await;
+    let developed = pressure(json!({})).await;
+    assert_eq!(pressure(json!({"fluid": "developed"})).await, developed);
+    for fluid in ["linear", "evolved"] {
+        assert_ne!(pressure(json!({"fluid": fluid})).await, developed, "{fluid}");
+    }
+    let loaded = pressure(json!({"external_load_n": 800.0})).await;
+    assert!(((loaded - developed) / 1e6 - 1.0).abs() < 0.01, "800 N on 8 cm2 are 1 MPa: {loaded} {developed}");
+    let current = async |changes: Value| simulated_end(&service, changes, "servovalve_current_a").await;
+    assert!(current(json!({"supply_pressure_pa": 8e6})).await > current(json!({})).await, "section 5.2");
+    let mut chirp = simulation();
+    chirp["command"] = json!("chirp:0.05@0.5-10");
+    service.post_json("/v1/simulations", &chirp).await.expect(StatusCode::ACCEPTED);
+}
+
+#[tokio::test]
+async fn a_fluid_for_the_reference_model_and_too_much_load_or_supply_are_told_by_their_fields() {
+    let body = json!({"model": "reference", "command": "diagnostic", "fluid": "linear", "external_load_n": 2e6,
+        "supply_pressure_pa": 1e9, "duration_s": 1.0, "sample_rate_hz": 100.0});
+    let pointers = ["/external_load_n", "/fluid", "/supply_pressure_pa"];
+    let answer = Service::new().await.post_json("/v1/simulations", &body).await.expect_problem(422, &pointers);
+    assert!(
+        answer.text("/errors/2/detail").contains("found 1000000000, expected at most 41200000 Pa"),
+        "{}",
+        answer.json()
+    );
+}
+
 #[tokio::test]
 async fn a_simulation_cannot_read_the_services_files() {
     let mut body = simulation();

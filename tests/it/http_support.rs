@@ -33,7 +33,17 @@ impl Service {
 
     /// A service with other settings than the defaults.
     pub async fn with(change: impl FnOnce(&mut Config)) -> Self {
-        let data = tempfile::tempdir().unwrap();
+        Self::over(tempfile::tempdir().unwrap(), change).await
+    }
+
+    /// The same service after its process ended and started again.
+    pub async fn restarted(self) -> Self {
+        let Self { application, data } = self;
+        drop(application);
+        Self::over(data, |_| ()).await
+    }
+
+    async fn over(data: TempDir, change: impl FnOnce(&mut Config)) -> Self {
         let mut config = Config::default();
         config.http.listen.set_port(0);
         config.store.data = data.path().to_path_buf();
@@ -62,6 +72,10 @@ impl Service {
 
     pub async fn post_json(&self, path: &str, body: &Value) -> Answer {
         self.post(path, Some("application/json"), body.to_string()).await
+    }
+
+    pub async fn patch_json(&self, path: &str, body: &Value) -> Answer {
+        self.send(request(Method::PATCH, path, Some("application/json"), body.to_string().into())).await
     }
 
     /// Registers an actuator and returns its id.

@@ -5,4 +5,5 @@ mod dispatch;
 mod forecasts;
 mod interrupted;
 mod outcomes;
+mod sets;
 mod traces;

@@ -2,11 +2,13 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should panic")]
 
 mod cli;
+mod cli_parameters;
 mod estimation;
 mod house;
 mod http_actuators;
 mod http_health;
 mod http_jobs;
+mod http_parameter_sets;
 mod http_process;
 mod http_service;
 mod http_sockets;
@@ -14,5 +16,7 @@ mod http_support;
 mod http_uploads;
 mod jobs;
 mod models;
+mod parameter_files;
+mod reproduction;
 mod simulate;
 mod store_contract;

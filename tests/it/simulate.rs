@@ -102,6 +102,27 @@ fn what_cannot_act_on_a_model_is_refused_with_file_and_column() {
 }
 
 #[test]
+fn single_parameters_are_set_on_the_command_line_and_change_the_hash() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |more: &str| {
+        let args = format!("--command sine:0.05@2 --duration 0.2 --out trace.json {more}");
+        let output = simulate(folder.path(), &args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read(folder.path().join("trace.json")).unwrap();
+        serde_json::from_slice::<Value>(&text).unwrap()
+    };
+    let plain = run("");
+    let changed = run("--set jack.mass_kg=20 --set reference.friction.model=karnopp");
+    assert_ne!(plain["columns"]["jack_position_m"], changed["columns"]["jack_position_m"]);
+    assert_ne!(plain["metadata"]["parameter_set_hash"], changed["metadata"]["parameter_set_hash"]);
+    let refused = simulate(folder.path(), "--command step:0.1 --out - --set jack.mass_kg=0 --set jack.weight=1");
+    let error = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!((refused.status.code(), error.lines().count()), (Some(2), 1), "{error}");
+    assert!(error.contains("jack.weight: found an unknown parameter, expected area_m2"), "{error}");
+    assert!(error.contains("jack.mass_kg: found 0, expected 0.01 to 10000 kg"), "{error}");
+}
+
+#[test]
 fn a_trace_in_json_says_what_it_was_made_from() {
     let folder = tempfile::tempdir().unwrap();
     let args = "--command chirp:0.05@0.5-10 --duration 0.1 --kgm 0.2 --noise-power 5e-6 --seed 18446744073709551615";

@@ -2,6 +2,7 @@
 
 mod fleet;
 mod history;
+mod parameter_sets;
 mod queue;
 pub mod samples;
 mod traces;
@@ -51,6 +52,15 @@ macro_rules! records_engine {
                 contract_a_simulation_adds_its_trace_when_it_finishes,
                 contract_maintenance_starts_a_life_unless_it_is_an_inspection,
                 contract_maintenance_is_listed_by_its_time,
+            },
+            parameter_sets::{
+                contract_a_parameter_set_comes_back_as_it_was_kept,
+                contract_a_name_has_versions_and_means_the_one_kept_last,
+                contract_the_same_version_again_is_the_record_that_is_kept,
+                contract_a_version_is_found_by_the_beginning_of_its_hash,
+                contract_parameter_sets_are_listed_in_the_order_in_which_they_were_kept,
+                contract_an_actuator_is_pinned_anew_and_keeps_the_rest,
+                contract_actuators_of_the_built_in_set_go_with_it_and_others_stay_pinned,
             },
             fleet::{
                 contract_a_serial_number_is_taken_once,

@@ -7,5 +7,6 @@ pub mod check;
 pub mod fleet;
 pub mod list;
 pub mod maintenance;
+pub mod parameter_set;
 pub mod simulation;
 pub mod upload;

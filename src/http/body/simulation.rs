@@ -1,26 +1,36 @@
 //! Asking for a simulation.
 
+use std::sync::Arc;
+
 use super::check::FieldErrors;
 use crate::http::error::ApiResult;
 use crate::http::limits::COMMAND_CHARS_MAX;
 use crate::jobs::kind::SimulationSpec;
+use crate::jobs::sets;
 use crate::models::drive::{Drive, DriveError};
-use crate::models::simulate::SimulationError;
+use crate::models::parameters::ParameterSet;
 
-/// A simulation whose every field is in its range, its command without the space around it.
+/// A simulation whose every field is in its range, its command without the space around it, pinned to a parameter set: the
+/// one that it names, or what is wrong with the name.
 ///
 /// # Errors
 /// Every field out of its range.
-pub fn check(mut spec: SimulationSpec) -> ApiResult<SimulationSpec> {
+pub fn check(mut spec: SimulationSpec, set: Result<Arc<ParameterSet>, String>) -> ApiResult<SimulationSpec> {
     let mut found = FieldErrors::default();
     spec.command = found.text("/command", &spec.command, (1, COMMAND_CHARS_MAX), false);
     // A command that cannot be read must not hide the other fields' errors.
     let command = if found.is_empty() { read_command(&spec.command, &mut found) } else { None };
-    for error in spec.recipe_with(command.unwrap_or(Drive::Diagnostic)).check() {
-        if let SimulationError::OutOfRange { name, found: value, expected } = error {
-            let product = if name.contains(' ') { format!("{name}: ") } else { String::new() };
-            found.add(pointer(name), format!("{product}found {value}, expected {expected}"));
-        }
+    let recipe = spec.recipe_with(command.unwrap_or(Drive::Diagnostic));
+    for error in recipe.check(set.as_deref().unwrap_or(&ParameterSet::reference())) {
+        let Some(field) = error.field() else { continue };
+        let text = error.to_string();
+        // A product of two fields is named in the text too.
+        let detail = if field.contains(' ') { &text } else { text.trim_start_matches(field).trim_start_matches(": ") };
+        found.add(pointer(field), detail);
+    }
+    match set {
+        Ok(set) => spec.parameter_set = Some(sets::named(&set)),
+        Err(detail) => found.add("/parameter_set", detail),
     }
     found.pass(spec)
 }

@@ -11,6 +11,12 @@ use crate::store::records::Id;
 pub struct PathId(String);
 
 impl PathId {
+    /// What the path says.
+    #[must_use]
+    pub fn text(&self) -> &str {
+        &self.0
+    }
+
     /// The id of a `what`.
     ///
     /// # Errors

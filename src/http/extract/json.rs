@@ -36,7 +36,11 @@ fn parse<T: DeserializeOwned>(bytes: &[u8]) -> ApiResult<T> {
     read(bytes)
 }
 
-fn read<T: DeserializeOwned>(bytes: &[u8]) -> ApiResult<T> {
+/// Reads one JSON value and nothing after it; what it may be is for `T` to say.
+///
+/// # Errors
+/// [`ApiError::Malformed`] with the pointer of the first fault.
+pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> ApiResult<T> {
     let mut deserializer = serde_json::Deserializer::from_slice(bytes);
     let value = serde_path_to_error::deserialize(&mut deserializer)
         .map_err(|error| ApiError::malformed(pointer(error.path()), in_plain_words(&error.inner().to_string())))?;

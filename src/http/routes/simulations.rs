@@ -11,6 +11,7 @@ use crate::http::error::ApiResult;
 use crate::http::extract::json::JsonBody;
 use crate::http::extract::query::{NoQuery, Query};
 use crate::http::openapi::BodyProblems;
+use crate::http::routes::parameter_set;
 use crate::jobs::kind::{JobSpec, SimulationSpec};
 
 /// The routes about simulations.
@@ -35,6 +36,7 @@ async fn create_simulation(
     _: Query<NoQuery>,
     JsonBody(body): JsonBody<SimulationSpec>,
 ) -> ApiResult<JobAccepted> {
-    let spec = check(body)?;
+    let set = parameter_set(&app, body.parameter_set.as_deref()).await?;
+    let spec = check(body, set)?;
     Ok(JobAccepted { job: app.jobs.enqueue(JobSpec::Simulation(spec)).await? })
 }

@@ -9,6 +9,7 @@ use thiserror::Error;
 use tokio::task::JoinError;
 
 use super::kind::JobSpec;
+use super::sets::SetError;
 use super::text::panic_message;
 use crate::estimation::EstimationError;
 use crate::formats::{self, Format, FormatError, ReadOptions};
@@ -33,6 +34,15 @@ pub enum RunError {
         /// The trace.
         id: Id,
     },
+    /// The trace's actuator is not kept.
+    #[error("actuator {id} is not in the store")]
+    ActuatorMissing {
+        /// The actuator.
+        id: Id,
+    },
+    /// The parameter set cannot be had.
+    #[error("parameter_set: {0}")]
+    ParameterSet(SetError),
     /// The kept bytes are not those that were kept.
     #[error("the bytes of trace {id} changed in the store: found SHA-256 {found}, expected {expected}")]
     TraceChanged {
@@ -73,6 +83,15 @@ pub enum RunError {
     Store(#[from] StoreError),
 }
 
+impl From<SetError> for RunError {
+    fn from(error: SetError) -> Self {
+        match error {
+            SetError::Store(error) => Self::Store(error),
+            other => Self::ParameterSet(other),
+        }
+    }
+}
+
 impl RunError {
     /// Whether another try may succeed; see [`StoreError::may_pass`].
     #[must_use]
@@ -91,7 +110,7 @@ pub enum Work {
     /// Estimate faults.
     Estimation(estimate::Input),
     /// Make a trace.
-    Simulation(crate::models::simulate::Simulation),
+    Simulation(simulate::Input),
 }
 
 /// What was computed.
@@ -100,7 +119,7 @@ pub enum Finding {
     /// An estimate.
     Estimation(Box<estimate::EstimationResult>),
     /// A trace, written.
-    Simulation(simulate::Written),
+    Simulation(Box<simulate::Written>),
 }
 
 /// What is computed, on a thread that may be busy for minutes.
@@ -127,7 +146,9 @@ impl Compute for Models {
             Work::Estimation(input) => {
                 estimate::compute(&input, watch).map(|result| Finding::Estimation(Box::new(result)))
             }
-            Work::Simulation(recipe) => simulate::compute(&recipe, watch).map(Finding::Simulation),
+            Work::Simulation(input) => {
+                simulate::compute(input, watch).map(|written| Finding::Simulation(Box::new(written)))
+            }
         }
     }
 }
@@ -156,7 +177,7 @@ pub(super) async fn prepare(job: &Job, records: &dyn Records, traces: &dyn Trace
         JobSpec::Estimation { trace_id, settings } => {
             estimate::prepare(trace_id, settings, records, traces).await.map(Work::Estimation)
         }
-        JobSpec::Simulation(spec) => Ok(Work::Simulation(spec.recipe()?)),
+        JobSpec::Simulation(spec) => simulate::prepare(&spec, records).await.map(Work::Simulation),
     }
 }
 
@@ -164,7 +185,7 @@ pub(super) async fn prepare(job: &Job, records: &dyn Records, traces: &dyn Trace
 pub(super) async fn conclude(finding: Finding, traces: &dyn Traces) -> Result<Outcome, RunError> {
     match finding {
         Finding::Estimation(result) => Ok(result.into_outcome()),
-        Finding::Simulation(written) => simulate::keep(written, traces).await.map_err(RunError::from),
+        Finding::Simulation(written) => simulate::keep(*written, traces).await.map_err(RunError::from),
     }
 }
 

@@ -240,6 +240,7 @@ mod tests {
             tail_number: "B".into(),
             location: String::new(),
             parameter_set: "reference".into(),
+            parameter_set_hash: "00".into(),
             thresholds,
             usage_unit: UsageUnit::FlightCycles,
             created_at: records::now(),

@@ -6,7 +6,7 @@
 //! Limits: the flanks are rigid, the driven part has no inertia.
 
 /// The driven part's position, given where it was, for a total play of `width`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn step(width: f64, output: f64, input: f64) -> f64 {
     if width == 0.0 {

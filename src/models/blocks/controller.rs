@@ -43,9 +43,13 @@ pub struct State {
 }
 
 /// The state after a step and the current asked for, A; the integral stays within ±`current_max_a`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn step(p: &Params, s: &State, error_m: f64, current_max_a: f64, time_step_s: f64) -> (State, f64) {
+    if p.integral_gain_a_per_m_s == 0.0 && p.derivative_gain_a_s_per_m == 0.0 {
+        // The thesis's controller; what the other parts would add is zero, but takes time.
+        return (State { integral_a: s.integral_a, error_m }, error_m * p.proportional_gain_a_per_m);
+    }
     let integral_a = (s.integral_a + p.integral_gain_a_per_m_s * error_m * time_step_s).clip(current_max_a);
     let derivative_a = p.derivative_gain_a_s_per_m * ((error_m - s.error_m) / time_step_s);
     (State { integral_a, error_m }, error_m * p.proportional_gain_a_per_m + integral_a + derivative_a)

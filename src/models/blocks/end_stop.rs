@@ -15,12 +15,24 @@ pub fn step<L: Lane>(limit_m: f64, position_m: L, velocity: L) -> (L, L) {
     (position_m.clip(limit_m), velocity)
 }
 
+/// The same for one body alone, as a branch: it is seldom taken, and a select would make every step wait for it.
+#[inline(always)]
+pub fn hold(limit_m: f64, position_m: f64, velocity: f64) -> (f64, f64) {
+    if position_m.abs() <= limit_m { (position_m, velocity) } else { held(limit_m, position_m) }
+}
+
+#[cold]
+fn held(limit_m: f64, position_m: f64) -> (f64, f64) {
+    (position_m.clip(limit_m), 0.0)
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
     fn stops_a_body_at_the_limit_and_leaves_it_alone_inside() {
-        assert_eq!(super::step(1.0, 0.5, 3.0), (0.5, 3.0));
-        assert_eq!(super::step(1.0, -1.5, -3.0), (-1.0, 0.0));
-        assert_eq!(super::step(1.0, 1.0, 3.0), (1.0, 3.0));
+        for (position, expected) in [(0.5, (0.5, 3.0)), (-1.5, (-1.0, 0.0)), (1.0, (1.0, 3.0)), (7.0, (1.0, 0.0))] {
+            assert_eq!(super::step(1.0, position, 3.0), expected);
+            assert_eq!(super::hold(1.0, position, 3.0), expected);
+        }
     }
 }

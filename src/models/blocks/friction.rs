@@ -22,7 +22,7 @@ pub enum FrictionModel {
 }
 
 /// The velocity of a body of this mass after a step under an active force, N, and a friction model, m/s.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn slide(model: FrictionModel, levels: &Levels<f64>, dead_band_m_per_s: f64, body: &Body) -> f64 {
     let &Body { mass_kg, velocity_m_per_s: before, active_n, time_step_s } = body;

@@ -15,7 +15,7 @@ pub struct State {
 }
 
 /// The state with this signal and the signal after the hysteresis, A.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn step(width_a: f64, s: &State, signal_a: f64) -> (State, f64) {
     let direction = if signal_a > s.signal_a {

@@ -11,6 +11,9 @@ use super::friction::Levels;
 use crate::models::checks::Checks;
 use crate::numeric::lane::Lane;
 
+/// The time step whose stability the jack's own parameters must allow, s: the thesis's.
+const TIME_STEP_S: f64 = 1e-5;
+
 /// The jack's parameters; the friction level is the fault FDJ.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -46,9 +49,13 @@ impl Params {
     pub(crate) fn check(&self, checks: &mut Checks) {
         checks.within("jack.area_m2", self.area_m2, 1e-6, 1.0, "m2");
         checks.within("jack.mass_kg", self.mass_kg, 1e-2, 1e4, "kg");
-        checks.within("jack.damping_n_s_per_m", self.damping_n_s_per_m, 0.0, 1e6, "N s/m");
+        // A step must not take more than the jack's whole momentum away: CJ dt/MJ and Kaer dt²/MJ are at most 1.
+        let damping_max = self.mass_kg / TIME_STEP_S;
+        let damping = self.damping_n_s_per_m;
+        checks.within_drawn("jack.damping_n_s_per_m", damping, (0.0, 1e6), (0.0, damping_max), "N s/m");
+        let stiffness_max = damping_max / TIME_STEP_S;
         let stiffness = self.aerodynamic_stiffness_n_per_m;
-        checks.within("jack.aerodynamic_stiffness_n_per_m", stiffness, 0.0, 1e9, "N/m");
+        checks.within_drawn("jack.aerodynamic_stiffness_n_per_m", stiffness, (0.0, 1e9), (0.0, stiffness_max), "N/m");
         checks.within("jack.external_load_n", self.external_load_n, -1e6, 1e6, "N");
         checks.within("jack.friction_static_ratio", self.friction_static_ratio, 1.0, 10.0, "");
         checks.within("jack.backlash_m", self.backlash_m, 0.0, 0.1, "m");

@@ -2,14 +2,21 @@
 //!
 //! Source: section 4.1.4: the jack's position as it is acquired.
 //! Signs: the output has the input's sign or is zero.
-//! Range: any step from zero, where the value passes unchanged.
+//! Range: any step from zero; the value passes unchanged at zero and where the step is finer than its own digits.
 //! Limits: no saturation; halves are rounded away from zero.
 
+/// From this many steps on a value has no digits finer than the step.
+const STEPS_MAX: f64 = 1.0 / f64::EPSILON;
+
 /// The multiple of `step` that is nearest to `value`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn quantize(step: f64, value: f64) -> f64 {
-    if step == 0.0 { value } else { (value / step).round() * step }
+    if step == 0.0 {
+        return value;
+    }
+    let steps = (value / step).round();
+    if steps.abs() < STEPS_MAX { steps * step } else { value }
 }
 
 #[cfg(test)]
@@ -23,5 +30,7 @@ mod tests {
         }
         assert_eq!(quantize(0.5, 0.8), 1.0);
         assert_eq!(quantize(0.0, 0.123), 0.123);
+        assert_eq!(quantize(0.0, 0.0), 0.0);
+        assert_eq!(quantize(f64::MIN_POSITIVE, 0.123), 0.123, "a step below the value's last digit");
     }
 }

@@ -35,9 +35,12 @@ pub struct Params {
 
 impl Params {
     pub(crate) fn check(&self, checks: &mut Checks) {
-        let frequency = self.natural_frequency_rad_per_s;
-        checks.within("monitoring.first_stage.natural_frequency_rad_per_s", frequency, 10.0, 1e5, "rad/s");
-        checks.within("monitoring.first_stage.damping_ratio", self.damping_ratio, 0.01, 5.0, "");
+        let (frequency, zeta) = (self.natural_frequency_rad_per_s, self.damping_ratio);
+        checks.within("monitoring.first_stage.damping_ratio", zeta, 0.01, 5.0, "");
+        // Half of where the semi-implicit step of 1e-5 s stops being stable (Jury's condition).
+        let frequency_max = ((1.0 + zeta * zeta).sqrt() - zeta) / 1e-5;
+        let name = "monitoring.first_stage.natural_frequency_rad_per_s";
+        checks.within_drawn(name, frequency, (10.0, 1e5), (10.0, frequency_max), "rad/s");
         let stiffness = self.flapper_stiffness_n_per_m;
         checks.within("monitoring.first_stage.flapper_stiffness_n_per_m", stiffness, 1.0, 1e7, "N/m");
         let spring = self.feedback_spring_stiffness_n_per_m;

@@ -4,10 +4,12 @@
 //! motion, pressure and jack velocity together, linearly implicit in the flow.
 //! Signs: as in the semi-implicit step.
 //! Range: time steps up to 5e-4 s; the features stay within 1e-4 of those at 1e-5 s (tests/it/models/lanes.rs).
-//! Limits: first order in time; a body that changes its direction rests for one step.
+//! Limits: the developed fluid at the set's supply; first order in time; a body that changes its direction rests for one
+//! step.
 
 use nalgebra::Matrix4;
 
+use super::fluid::{Block, developed};
 use super::{Candidate, Model, State};
 use crate::models::blocks::end_stop;
 use crate::numeric::lane::Lane;
@@ -19,6 +21,8 @@ pub const TIME_STEP_MAX_S: f64 = 5e-4;
 #[derive(Debug, Clone)]
 pub struct LargeStep {
     model: Model,
+    /// The model's fluid, known to be the developed one.
+    fluid: developed::Block,
     time_step_s: f64,
     /// Flapper position, flapper velocity and spool position after a step, by each of them before it and by the force.
     transition: [[f64; 4]; 3],
@@ -26,8 +30,14 @@ pub struct LargeStep {
 
 impl LargeStep {
     /// Prepares a model for a time step, s, of at most [`TIME_STEP_MAX_S`].
+    ///
+    /// # Panics
+    /// When the model's fluid is not the developed one: only its lag lets pressure and flow be solved together.
     #[must_use]
     pub fn new(model: &Model, time_step_s: f64) -> Self {
+        let Block::Developed(fluid) = model.fluid else {
+            panic!("the large step is for the developed fluid, found {:?}", model.fluid);
+        };
         let p = &model.first_stage;
         let (frequency, stiffness) = (p.natural_frequency_rad_per_s, p.stiffness_n_per_m());
         let squared = frequency * frequency;
@@ -41,7 +51,7 @@ impl LargeStep {
         );
         let exact = (rates * time_step_s).exp();
         let transition = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| exact[(row, column)]));
-        Self { model: model.clone(), time_step_s, transition }
+        Self { model: model.clone(), fluid, time_step_s, transition }
     }
 
     /// The model.
@@ -99,10 +109,10 @@ impl LargeStep {
     #[inline(always)]
     fn press_and_move<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, spool_m: L) -> (L, L) {
         let (jack, h) = (&self.model.jack, self.time_step_s);
-        let at = self.model.fluid.at_spool(spool_m);
+        let at = self.fluid.at_spool(spool_m, 1.0);
         let flow = s.jack_velocity_m_per_s * jack.area_m2;
         let magnitude = flow.abs();
-        let weight = at.lag_s.same(h) / (at.lag_s * self.model.fluid.lag_factor(magnitude) + h);
+        let weight = at.lag_s.same(h) / (at.lag_s * self.fluid.lag_factor(magnitude) + h);
         let kept_pa = s.load_pressure_pa + (at.commanded_pa - s.load_pressure_pa) * weight;
         // q|q| about the flow q0 of before: q0|q0| + 2|q0|(q - q0) = 2|q0| q - q0|q0|.
         let slope = weight * at.loss * magnitude;

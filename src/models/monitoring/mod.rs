@@ -1,10 +1,10 @@
-//! The monitoring (low-fidelity) model of section 4.2 with the developed fluid of section 5.3, cheap enough to sit in
-//! an optimiser: one candidate as plain numbers, or many in lock-step.
+//! The monitoring (low-fidelity) model of section 4.2 with one of chapter 5's fluids, cheap enough to sit in an optimiser:
+//! one candidate as plain numbers, or many in lock-step.
 //!
 //! Source: section 4.2; the update order of the semi-implicit step reproduces the thesis's features.
 //! Signs: docs/conventions.md.
 //! Range: the semi-implicit step up to 2e-5 s for any fault; [`large_step`] up to 5e-4 s.
-//! Limits: Karnopp friction, no hysteresis, no leakage but the jack's.
+//! Limits: Karnopp friction, no hysteresis, no leakage but the jack's; the spool's speed does not vary with the supply.
 
 pub mod first_stage;
 pub mod fluid;
@@ -16,6 +16,7 @@ use super::blocks::friction::{Levels, karnopp};
 use super::blocks::{Input, Shared, controller, end_stop, jack, torque_motor};
 use super::checks::Checks;
 use crate::numeric::lane::Lane;
+use fluid::FluidModel;
 
 /// What the monitoring model has of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -136,15 +137,21 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model, ready for any candidate.
+    /// The model with the developed fluid, ready for any candidate.
     #[must_use]
     pub fn new(shared: &Shared, own: &Params) -> Self {
+        Self::with_fluid(shared, own, FluidModel::Developed)
+    }
+
+    /// The model with a fluid, ready for any candidate.
+    #[must_use]
+    pub fn with_fluid(shared: &Shared, own: &Params, fluid: FluidModel) -> Self {
         Self {
             controller: shared.controller,
             torque_motor: shared.torque_motor,
             first_stage: own.first_stage,
             second_stage: own.second_stage,
-            fluid: fluid::Block::new(&own.fluid),
+            fluid: fluid::Block::new(&own.fluid, fluid),
             dead_band_m_per_s: own.friction.velocity_dead_band_m_per_s,
             jack: shared.jack,
         }
@@ -163,7 +170,8 @@ impl Model {
         let (flapper_m, flapper_m_per_s) = first_stage::step(&self.first_stage, s, force_n, time_step_s);
         let spool_m = s.spool_position_m + flapper_m * self.second_stage.spool_speed_gain_per_s * time_step_s;
         let spool_m = spool_m.clip(spool_m.same(self.second_stage.spool_position_max_m));
-        let load_pa = self.fluid.step(s, spool_m, s.jack_velocity_m_per_s * self.jack.area_m2, time_step_s);
+        let flow = s.jack_velocity_m_per_s * self.jack.area_m2;
+        let load_pa = self.fluid.step(s, spool_m, flow, input.supply_factor, time_step_s);
         let (jack_m, jack_m_per_s) = self.move_jack(c, s, load_pa, input.external_load_n, time_step_s);
         State {
             servovalve_current_a: current_a,

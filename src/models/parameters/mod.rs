@@ -18,6 +18,8 @@ use reading::BUILT_IN;
 const REFERENCE: &str = include_str!("../../../config/actuators/reference.toml");
 /// The most characters of a set's name.
 pub const NAME_CHARS_MAX: usize = 64;
+/// The longest text of a set that is read, bytes (chosen: a hundred times the built-in one).
+pub const TEXT_BYTES_MAX: usize = 1_000_000;
 /// The column at which a written set's remarks begin.
 const REMARK_COLUMN: usize = 52;
 
@@ -134,14 +136,41 @@ impl ParameterSet {
         Self::from_parts(name, reading::json(parameters))
     }
 
-    fn from_tree(tree: Tree) -> Result<Self, Vec<ParamsError>> {
-        let values = reading::values(tree)?;
-        if Self::is_name(&values.name) {
-            return Ok(Self::of(values));
+    /// The same set with other values of some parameters, each by its name with its section.
+    ///
+    /// # Errors
+    /// As [`ParameterSet::from_parts`].
+    pub fn with(&self, changes: &[(String, String)]) -> Result<Self, Vec<ParamsError>> {
+        let mut tree = Tree::of(&self.values);
+        let mut errors = Vec::new();
+        for (name, text) in changes {
+            match tree.at_mut(name).filter(|_| name != "name") {
+                Some(place @ (Tree::Integer(_) | Tree::Float(_))) => {
+                    *place = text.trim().parse().map_or_else(|_| Tree::Text(text.clone()), Tree::Float);
+                }
+                Some(place @ Tree::Text(_)) => *place = Tree::Text(text.clone()),
+                _ => errors.push(reading::unknown(name)),
+            }
         }
-        let found = Tree::Text(values.name).describe();
-        let expected = format!("1 to {NAME_CHARS_MAX} of the characters A-Z, a-z, 0-9, ., _ and -");
-        Err(vec![ParamsError::Unreadable { name: "name".into(), found, expected }])
+        match Self::from_tree(tree) {
+            Ok(set) if errors.is_empty() => Ok(set),
+            Ok(_) => Err(errors),
+            Err(others) => Err(errors.into_iter().chain(others).collect()),
+        }
+    }
+
+    fn from_tree(tree: Tree) -> Result<Self, Vec<ParamsError>> {
+        let bad_name = match tree.at("name") {
+            Some(name @ Tree::Text(text)) if !Self::is_name(text) => {
+                let expected = format!("1 to {NAME_CHARS_MAX} of the characters A-Z, a-z, 0-9, ., _ and -");
+                Some(ParamsError::Unreadable { name: "name".into(), found: name.describe(), expected })
+            }
+            _ => None,
+        };
+        match (reading::values(tree), bad_name) {
+            (Ok(values), None) => Ok(Self::of(values)),
+            (values, bad_name) => Err(bad_name.into_iter().chain(values.err().into_iter().flatten()).collect()),
+        }
     }
 
     fn of(values: Values) -> Self {

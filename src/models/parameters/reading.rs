@@ -18,7 +18,7 @@ pub(super) struct BuiltIn {
     pub(super) tree: Tree,
     /// The ranges in the built-in set.
     limits: Vec<Limits>,
-    /// The parameters whose range is drawn by others.
+    /// The parameters that have no range but the one that others draw.
     drawn_by_others: BTreeSet<&'static str>,
 }
 
@@ -31,14 +31,16 @@ pub(super) static BUILT_IN: LazyLock<BuiltIn> = LazyLock::new(|| {
     BuiltIn { values, tree, limits, drawn_by_others }
 });
 
-/// The parameters whose range moves when all the values do.
+/// The parameters whose range moves when all the values do and that have no plain range.
 fn drawn_by_others(tree: &Tree, limits: &[Limits]) -> BTreeSet<&'static str> {
     let mut moved = tree.clone();
     move_numbers(&mut moved);
     let moved: Values = typed(&moved).expect("other numbers are of the same types");
-    let (_, others) = moved.check();
-    let stays = |limits: &&Limits| others.contains(*limits);
-    limits.iter().filter(|limits| !stays(limits)).map(|limits| limits.name).collect()
+    let checks = moved.checks(Checks::default());
+    let has_plain: BTreeSet<&'static str> = checks.drawn().iter().copied().collect();
+    let (_, others) = checks.into_parts();
+    let moved = limits.iter().filter(|limits| !others.contains(*limits)).map(|limits| limits.name);
+    moved.filter(|name| !has_plain.contains(name)).collect()
 }
 
 fn move_numbers(tree: &mut Tree) {
@@ -96,7 +98,8 @@ pub(super) fn values(mut tree: Tree) -> Result<Values, Vec<ParamsError>> {
     let Reader { mut errors, repaired, .. } = reader;
     if let Some(values) = &values {
         let whole = repaired.is_empty();
-        errors.extend(values.check().0.into_iter().filter(|error| match error {
+        let checks = values.checks(if whole { Checks::default() } else { Checks::plain() });
+        errors.extend(checks.into_parts().0.into_iter().filter(|error| match error {
             // Where a value that draws the range may be a repaired one, nothing can be said.
             ParamsError::OutOfRange { limits, .. } => {
                 !repaired.contains(limits.name) && (whole || !built_in.drawn_by_others.contains(limits.name))
@@ -117,6 +120,21 @@ pub(super) fn values(mut tree: Tree) -> Result<Values, Vec<ParamsError>> {
             Err(errors)
         }
     }
+}
+
+/// A name that is no parameter's, with what there is in the section that it names.
+pub(super) fn unknown(name: &str) -> ParamsError {
+    let (section, key) = name.rsplit_once('.').unwrap_or(("", name));
+    let tree = &BUILT_IN.tree;
+    let inside = if section.is_empty() { Some(tree) } else { tree.at(section) };
+    let names: Vec<&str> = match inside {
+        Some(Tree::Table(entries)) => {
+            entries.iter().map(|(key, _)| key.as_str()).filter(|key| *key != "name").collect()
+        }
+        _ => Vec::new(),
+    };
+    let expected = if names.is_empty() { "SECTION.NAME of a parameter set".into() } else { names.join(", ") };
+    ParamsError::Unknown { section: section.into(), key: key.into(), expected }
 }
 
 /// Reads a document and puts right what is wrong with it, noting it.
@@ -209,13 +227,16 @@ fn typed<T: DeserializeOwned>(tree: &Tree) -> Result<T, (String, String)> {
 impl Values {
     /// Every value out of its range, and every range, in the order of a set.
     pub(super) fn check(&self) -> (Vec<ParamsError>, Vec<Limits>) {
-        let mut checks = Checks::default();
+        self.checks(Checks::default()).into_parts()
+    }
+
+    fn checks(&self, mut checks: Checks) -> Checks {
         self.controller.check(&mut checks);
         self.torque_motor.check(&mut checks);
         self.jack.check(&mut checks);
-        self.reference.check(&mut checks);
+        self.reference.check(&self.torque_motor, &self.jack, &mut checks);
         self.monitoring.check(&mut checks);
-        checks.into_parts()
+        checks
     }
 }
 

@@ -87,6 +87,11 @@ fn a_bad_name_is_refused() {
         assert!(found[0].starts_with("name: found "), "{found:?}");
     }
     assert!(ParameterSet::is_name("Servo_2.b-1"));
+    let both = errors(&[("name = \"reference\"", "name = \"a b\""), ("mass_kg = 10.0", "mass_kg = -1.0")]);
+    assert!(
+        matches!(&both[..], [name, mass] if name.starts_with("name: ") && mass.starts_with("jack.mass_kg")),
+        "{both:?}"
+    );
 }
 
 #[test]
@@ -124,4 +129,28 @@ fn every_number_of_the_built_in_set_has_a_range() {
     let without = |parameter: &Parameter| matches!(parameter.value, Value::Number(_)) && parameter.limits.is_none();
     let found: Vec<_> = ParameterSet::reference().parameters().into_iter().filter(without).collect();
     assert!(found.is_empty(), "{found:?}");
+}
+
+#[test]
+fn single_parameters_are_changed_by_name_and_checked_with_the_rest() {
+    let changes = |pairs: &[(&str, &str)]| -> Vec<(String, String)> {
+        pairs.iter().map(|&(name, value)| (name.to_owned(), value.to_owned())).collect()
+    };
+    let reference = ParameterSet::reference();
+    let with = |pairs: &[(&str, &str)]| reference.with(&changes(pairs));
+    let karnopp = with(&[("reference.friction.model", "karnopp"), ("jack.mass_kg", "12")]).unwrap();
+    let mut text = REFERENCE.replace("model = \"borello\"", "model = \"karnopp\"");
+    text = text.replacen("mass_kg = 10.0", "mass_kg = 12.0", 1);
+    assert_eq!(karnopp, ParameterSet::parse(&text).unwrap());
+    let told =
+        |pairs: &[(&str, &str)]| -> Vec<String> { with(pairs).unwrap_err().iter().map(ToString::to_string).collect() };
+    let found = told(&[("jack.mass_kg", "heavy"), ("jack.area_m2", "-1"), ("reference.friction.model", "none")]);
+    assert_eq!(found.len(), 3, "{found:?}");
+    assert!(found[1].starts_with("jack.mass_kg: found \"heavy\", expected 0.01 to 10000 kg"), "{found:?}");
+    let unknown = told(&[("jack.mass_lb", "1"), ("jack", "1"), ("name", "x"), ("a.b", "1")]);
+    assert_eq!(unknown.len(), 4, "{unknown:?}");
+    assert!(
+        unknown[0].starts_with("jack.mass_lb: found an unknown parameter, expected area_m2, mass_kg"),
+        "{unknown:?}"
+    );
 }

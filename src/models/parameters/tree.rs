@@ -31,7 +31,8 @@ impl Tree {
     }
 
     /// What it is, in words.
-    pub(super) fn describe(&self) -> String {
+    #[must_use]
+    pub fn describe(&self) -> String {
         match self {
             Self::Table(_) => "a table".into(),
             Self::Integer(value) => value.to_string(),

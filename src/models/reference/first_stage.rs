@@ -39,11 +39,23 @@ impl Params {
         checks.within("reference.first_stage.mass_kg", self.mass_kg, 1e-5, 1.0, "kg");
         checks.within("reference.first_stage.damping_ratio", self.damping_ratio, 0.01, 5.0, "");
         let stiffness = self.armature_stiffness_n_per_m;
-        checks.within("reference.first_stage.armature_stiffness_n_per_m", stiffness, 1.0, 1e7, "N/m");
+        checks.within("reference.first_stage.armature_stiffness_n_per_m", stiffness, 1.0, 1e6, "N/m");
         let spring = self.feedback_spring_stiffness_n_per_m;
-        checks.within("reference.first_stage.feedback_spring_stiffness_n_per_m", spring, 1.0, 1e7, "N/m");
+        checks.within("reference.first_stage.feedback_spring_stiffness_n_per_m", spring, 1.0, 1e6, "N/m");
         checks.within("reference.first_stage.feedback_backlash_m", self.feedback_backlash_m, 0.0, 1e-2, "m");
         checks.within("reference.first_stage.flapper_position_max_m", self.flapper_position_max_m, 1e-6, 1e-2, "m");
+    }
+}
+
+impl Params {
+    /// KSF + KF, N/m.
+    pub(super) fn stiffness_n_per_m(&self) -> f64 {
+        self.feedback_spring_stiffness_n_per_m + self.armature_stiffness_n_per_m
+    }
+
+    /// CF, N s/m.
+    pub(super) fn damping_n_s_per_m(&self) -> f64 {
+        2.0 * self.damping_ratio * (self.mass_kg * self.stiffness_n_per_m()).sqrt()
     }
 }
 
@@ -68,13 +80,11 @@ impl Block {
     /// Prepares the block.
     #[must_use]
     pub fn new(params: &Params) -> Self {
-        let stiffness_n_per_m = params.feedback_spring_stiffness_n_per_m + params.armature_stiffness_n_per_m;
-        let damping_n_s_per_m = 2.0 * params.damping_ratio * (params.mass_kg * stiffness_n_per_m).sqrt();
-        Self { params: *params, damping_n_s_per_m }
+        Self { params: *params, damping_n_s_per_m: params.damping_n_s_per_m() }
     }
 
     /// One step under the torque motor's force, with the spool where it was.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, force_n: f64, spool_position_m: f64, time_step_s: f64) -> State {
         let p = &self.params;
@@ -84,7 +94,7 @@ impl Block {
         let net_n = force_n - spring_n - armature_n - self.damping_n_s_per_m * s.velocity_m_per_s;
         let velocity = s.velocity_m_per_s + net_n / p.mass_kg * time_step_s;
         let (position_m, velocity_m_per_s) =
-            end_stop::step(p.flapper_position_max_m, s.position_m + velocity * time_step_s, velocity);
+            end_stop::hold(p.flapper_position_max_m, s.position_m + velocity * time_step_s, velocity);
         State { position_m, velocity_m_per_s }
     }
 }

@@ -59,14 +59,14 @@ impl Block {
     }
 
     /// The flow that the jack's motion takes, m³/s.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn flow_m3_per_s(&self, s: &State) -> f64 {
         self.params.area_m2 * s.velocity_m_per_s
     }
 
     /// One step under the load pressure.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, load_pressure_pa: f64, external_load_n: f64, time_step_s: f64) -> State {
         let p = &self.params;
@@ -76,7 +76,7 @@ impl Block {
         let body = Body { mass_kg: p.mass_kg, velocity_m_per_s: s.velocity_m_per_s, active_n, time_step_s };
         let velocity = slide(self.friction.model, &self.levels, self.friction.velocity_dead_band_m_per_s, &body);
         let (position_m, velocity_m_per_s) =
-            end_stop::step(p.position_max_m, s.position_m + velocity * time_step_s, velocity);
+            end_stop::hold(p.position_max_m, s.position_m + velocity * time_step_s, velocity);
         let surface_m = backlash::step(p.backlash_m, s.surface_m, position_m);
         let measured_m = quantizer::quantize(p.position_quantum_m, surface_m);
         State { position_m, velocity_m_per_s, surface_m, measured_m }

@@ -11,13 +11,15 @@ pub mod oil;
 pub mod passages;
 pub mod pipe;
 pub mod second_stage;
+mod stability;
 pub mod torque_motor;
 
 use serde::{Deserialize, Serialize};
 
-use super::blocks::{Input, Shared, controller};
+use super::blocks::{self, Input, Shared, controller};
 use super::checks::Checks;
 use super::fault::Faults;
+use crate::numeric::lane::{Four, Plain};
 
 /// What the reference model has of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -41,14 +43,19 @@ pub struct Params {
 }
 
 impl Params {
-    pub(crate) fn check(&self, checks: &mut Checks) {
-        checks.within("reference.time_step_s", self.time_step_s, 1e-7, 2e-5, "s");
-        self.torque_motor.check(checks);
+    pub(crate) fn check(
+        &self,
+        shared: &blocks::torque_motor::Params,
+        jack: &blocks::jack::Params,
+        checks: &mut Checks,
+    ) {
         self.first_stage.check(checks);
+        self.torque_motor.check(shared, &self.first_stage, checks);
         self.second_stage.check(checks);
-        self.fluid.check(checks);
         self.oil.check(checks);
+        self.fluid.check(jack, &self.second_stage, checks);
         self.friction.check(checks);
+        stability::check(self, shared, jack, checks);
     }
 }
 
@@ -137,10 +144,17 @@ impl Model {
         }
     }
 
-    /// One time step, in signal order.
-    #[inline]
+    /// One time step.
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, input: &Input) -> State {
+        self.step_in::<Plain>((), s, input)
+    }
+
+    /// One time step, in signal order, with the four passages in a lane that the instruction set has.
+    #[inline(always)]
+    #[must_use]
+    pub fn step_in<F: Four>(&self, token: F::Token, s: &State, input: &Input) -> State {
         let dt = self.time_step_s;
         let error_m = input.position_command_m - s.jack.measured_m;
         let current_max_a = self.torque_motor.current_max_a();
@@ -156,7 +170,8 @@ impl Model {
             dt,
         );
         let supply_pa = self.passages.supply_pa(input.supply_factor);
-        let flows = self.passages.step(second_stage.position_m, supply_pa, s.pipe.port_1_pa, s.pipe.port_2_pa);
+        let (port_1_pa, port_2_pa) = (s.pipe.port_1_pa, s.pipe.port_2_pa);
+        let flows = self.passages.step_in::<F>(token, second_stage.position_m, supply_pa, port_1_pa, port_2_pa);
         let jack_flow = self.jack.flow_m3_per_s(&s.jack);
         let pipe = self.pipe.step(&s.pipe, &flows, jack_flow, dt);
         let jack = self.jack.step(&s.jack, pipe.load_pressure_pa(), input.external_load_n, dt);

@@ -1,11 +1,14 @@
 //! The oil's density and viscosity by temperature.
 //!
-//! Source: section 4.1.3, figure 4.13 (look-up tables). Viscosities: the limits that MIL-PRF-5606H (table I) and
-//! MIL-PRF-83282D (table I) set, the lower one at 40 °C and above, the upper one in the cold. Densities: typical
-//! values of oils of that specification, 850 and 833 kg/m³ at 40 °C, with an expansion of 8.3e-4 and 8.2e-4 per kelvin.
+//! Source: section 4.1.3, figure 4.13 (look-up tables; the thesis prints no values). Viscosities: the limits that
+//! MIL-PRF-5606H and MIL-PRF-83282D set, as they are commonly quoted: the lower one at 40 °C and above, the upper one in
+//! the cold. Neither specification's table was at hand, so that these eight figures are not confirmed, nor are the
+//! densities (850 and 833 kg/m³ at 40 °C) and their expansions (8.3e-4 and 8.2e-4 per kelvin), which are typical values.
+//! What was found agrees: a mineral oil of this kind serves from -54 to 135 °C (GJB 1177-1991), and in the cold where the
+//! synthetic one is too thick (TM 1-1500-204-23-2, chapter 2).
 //! Signs: none.
-//! Range: the tables' temperatures; beyond, the end's value is kept.
-//! Limits: no effect of pressure; an oil in use may be up to some 40 % thicker (40 °C) or thinner (cold) than the limit.
+//! Range: the tables' temperatures; beyond, the viscosity keeps the end's value and the density goes on.
+//! Limits: no effect of pressure; an oil in use differs from the limit, thicker at 40 °C and thinner in the cold.
 
 use serde::{Deserialize, Serialize};
 
@@ -100,6 +103,17 @@ mod tests {
                 let nu = at(oil, celsius).kinematic_viscosity_m2_per_s * 1e6;
                 assert!((nu / mm2_per_s - 1.0).abs() < 1e-9, "{oil:?} at {celsius}: {nu}");
             }
+        }
+    }
+
+    #[test]
+    fn beyond_its_ends_a_table_keeps_the_end_s_viscosity() {
+        for (oil, table) in [(Oil::MilPrf5606, MIL_PRF_5606), (Oil::MilPrf83282, MIL_PRF_83282)] {
+            let (coldest, warmest) = (table[0].0, table[table.len() - 1].0);
+            let viscosity = |celsius: f64| at(oil, celsius).kinematic_viscosity_m2_per_s;
+            assert_eq!(viscosity(coldest - 6.0), viscosity(coldest));
+            assert_eq!(viscosity(warmest + 100.0), viscosity(warmest));
+            assert!(at(oil, coldest - 6.0).density_kg_per_m3 > at(oil, coldest).density_kg_per_m3);
         }
     }
 

@@ -2,13 +2,16 @@
 //!
 //! Source: section 4.1.3, figures 4.10 to 4.13, with the corrections of docs/conventions.md.
 //! Signs: each flow is positive from supply to chamber or from chamber to return.
-//! Range: any pressures; a flow is zero where its pressure drop is.
+//! Range: any pressures; a flow is zero where its pressure drop is, or is too small to be computed with (1e-200 Pa).
 //! Limits: one temperature; the same geometry at all four edges.
 
 use serde::{Deserialize, Serialize};
 
 use super::oil::Properties;
+use super::{second_stage, stability};
+use crate::models::blocks::jack;
 use crate::models::checks::Checks;
+use crate::numeric::lane::{Four, Lane, Plain};
 
 /// Oil, passages and pipe capacities.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -64,8 +67,11 @@ pub struct Params {
     pub vapour_pressure_pa: f64,
 }
 
+/// The least pressure drop that moves oil, Pa: below, the Reynolds number would underflow to zero, and the flow to 0/0.
+const DROP_MIN_PA: f64 = 1e-200;
+
 impl Params {
-    pub(crate) fn check(&self, checks: &mut Checks) {
+    pub(crate) fn check(&self, jack: &jack::Params, spool: &second_stage::Params, checks: &mut Checks) {
         let supply_min_pa = self.return_pressure_pa + 1e4;
         checks.within("reference.fluid.supply_pressure_pa", self.supply_pressure_pa, supply_min_pa, 1e9, "Pa");
         checks.within("reference.fluid.return_pressure_pa", self.return_pressure_pa, 0.0, 1e8, "Pa");
@@ -83,12 +89,14 @@ impl Params {
         checks.within("reference.fluid.transition_reynolds", self.transition_reynolds, 0.0, 1e5, "");
         let correction = self.discharge_geometry_correction;
         checks.within("reference.fluid.discharge_geometry_correction", correction, -0.9, 0.9, "");
-        checks.within("reference.fluid.bulk_modulus_pa", self.bulk_modulus_pa, 1e7, 1e11, "Pa");
-        checks.within("reference.fluid.chamber_volume_m3", self.chamber_volume_m3, 1e-6, 1.0, "m3");
+        checks.within("reference.fluid.bulk_modulus_pa", self.bulk_modulus_pa, 1e7, 1e10, "Pa");
         let leakage = self.leakage_m3_per_s_per_pa;
         checks.within("reference.fluid.leakage_m3_per_s_per_pa", leakage, 0.0, 1e-8, "m3/(s Pa)");
         let vapour_max_pa = self.return_pressure_pa.max(1.0);
         checks.within("reference.fluid.vapour_pressure_pa", self.vapour_pressure_pa, 0.0, vapour_max_pa, "Pa");
+        let volume_min_m3 = stability::chamber_volume_min_m3(self, jack, spool);
+        let volume_m3 = self.chamber_volume_m3;
+        checks.within_drawn("reference.fluid.chamber_volume_m3", volume_m3, (1e-6, 1.0), (volume_min_m3, 1.0), "m3");
     }
 }
 
@@ -160,43 +168,55 @@ impl Block {
     }
 
     /// The absolute supply pressure, Pa, at a part of its nominal differential over the return.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn supply_pa(&self, factor: f64) -> f64 {
         self.return_pa + self.supply_differential_pa * factor
     }
 
     /// The flows with the spool and the pressures where they are.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, spool_position_m: f64, supply_pa: f64, port_1_pa: f64, port_2_pa: f64) -> Flows {
-        Flows {
-            supply_to_1: self.flow(self.overlap_supply_m - spool_position_m, supply_pa - port_1_pa),
-            from_1_to_return: self.flow(self.overlap_return_m + spool_position_m, port_1_pa - self.return_pa),
-            supply_to_2: self.flow(self.overlap_supply_m + spool_position_m, supply_pa - port_2_pa),
-            from_2_to_return: self.flow(self.overlap_return_m - spool_position_m, port_2_pa - self.return_pa),
-        }
+        self.step_in::<Plain>((), spool_position_m, supply_pa, port_1_pa, port_2_pa)
     }
 
-    /// The flow through one passage, m³/s: the root of dp = RL Q + RQ Q|Q|, in the form that has no 0/0 where RL is
+    /// The same with the four passages in one lane: the same operations on each, the same bits.
+    #[inline(always)]
+    #[must_use]
+    pub fn step_in<F: Four>(
+        &self,
+        token: F::Token,
+        spool_position_m: f64,
+        supply_pa: f64,
+        port_1_pa: f64,
+        port_2_pa: f64,
+    ) -> Flows {
+        let (xs, ossv, orsv) = (spool_position_m, self.overlap_supply_m, self.overlap_return_m);
+        let (ps, pr, p1, p2) = (supply_pa, self.return_pa, port_1_pa, port_2_pa);
+        let covered_m = F::of(token, [ossv - xs, orsv + xs, ossv + xs, orsv - xs]);
+        let drop_pa = F::of(token, [ps - p1, p1 - pr, ps - p2, p2 - pr]);
+        let [supply_to_1, from_1_to_return, supply_to_2, from_2_to_return] = self.flow(covered_m, drop_pa).numbers();
+        Flows { supply_to_1, from_1_to_return, supply_to_2, from_2_to_return }
+    }
+
+    /// The flow through a passage, m³/s: the root of dp = RL Q + RQ Q|Q|, in the form that has no 0/0 where RL is
     /// zero. `covered_m` (X0) is the covered length, negative where the passage is open.
-    #[inline]
-    fn flow(&self, covered_m: f64, drop_pa: f64) -> f64 {
-        if drop_pa == 0.0 {
-            return 0.0;
-        }
+    #[inline(always)]
+    fn flow<L: Lane>(&self, covered_m: L, drop_pa: L) -> L {
+        let zero = drop_pa.same(0.0);
         let magnitude_pa = drop_pa.abs();
-        let opening_m = (-covered_m).max(0.0);
-        let gap_squared_m2 = self.clearance_squared_m2 + opening_m * opening_m;
-        let laminar = self.laminar_per_length * covered_m.max(0.0);
-        let speed_squared = self.two_over_density * magnitude_pa;
-        let reynolds = self.two_over_viscosity * (gap_squared_m2 * speed_squared).sqrt();
-        let geometry = 1.0 + self.correction_m2 / gap_squared_m2;
+        let opening_m = (-covered_m).max(zero);
+        let gap_squared_m2 = opening_m * opening_m + self.clearance_squared_m2;
+        let laminar = covered_m.max(zero) * self.laminar_per_length;
+        let speed_squared = magnitude_pa * self.two_over_density;
+        let reynolds = (gap_squared_m2 * speed_squared).sqrt() * self.two_over_viscosity;
+        let geometry = zero.same(self.correction_m2) / gap_squared_m2 + 1.0;
         // RQ |dp| with Cd² = Cd_inf² Re/(Re + Re_t) geometry².
-        let quadratic_pa = self.quadratic * (reynolds + self.transition_reynolds) * magnitude_pa
+        let quadratic_pa = (reynolds + self.transition_reynolds) * self.quadratic * magnitude_pa
             / (reynolds * geometry * geometry * gap_squared_m2);
-        let flow = 2.0 * magnitude_pa / (laminar + (laminar * laminar + 4.0 * quadratic_pa).sqrt());
-        flow.copysign(drop_pa)
+        let flow = magnitude_pa * 2.0 / (laminar + (laminar * laminar + quadratic_pa * 4.0).sqrt());
+        magnitude_pa.if_less(zero.same(DROP_MIN_PA), zero, drop_pa.sign_times(flow))
     }
 }
 
@@ -229,6 +249,36 @@ mod tests {
             let balance = rl * q + rq * q * q.abs();
             assert!((balance - drop_pa).abs() < 1e-9 * drop_pa.abs(), "{covered_m} {drop_pa}: {balance}");
         }
+    }
+
+    #[test]
+    fn the_flow_vanishes_with_its_drop_and_is_a_number_at_every_drop() {
+        for transition_reynolds in [0.0, 260.0] {
+            let block = Block::new(&Params { transition_reynolds, ..params() });
+            for covered_m in [-1e-4, 0.0, 1e-4] {
+                let flows: Vec<f64> = (0..=330).map(|tens| block.flow(covered_m, 10f64.powi(9 - tens))).collect();
+                assert!(flows.windows(2).all(|two| two[1] <= two[0]), "{covered_m}: {flows:?}");
+                assert_eq!(flows[330], 0.0);
+            }
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn parity_the_four_passages_in_a_register_give_the_bits_of_plain_numbers() {
+        use crate::numeric::lane::Register;
+        use pulp::x86::V3;
+
+        let Some(simd) = V3::try_new() else { return };
+        let block = Block::new(&params());
+        let mut places = [-1.2e-3, -7.3e-6, 0.0, 7.3e-6, 1e-5, 6e-4].iter().cycle();
+        for (i, spool_m) in (0..600_u32).zip(&mut places) {
+            let (p1, p2) = (2e3 + 7919.0 * f64::from(i * i % 2749), 2e3 + 104_729.0 * f64::from(i % 199));
+            let plain = block.step(*spool_m, 20.6e6, p1, p2);
+            assert_eq!(block.step_in::<Register<V3>>(simd, *spool_m, 20.6e6, p1, p2), plain, "{spool_m} {p1} {p2}");
+        }
+        let nothing = block.step_in::<Register<V3>>(simd, 1e-4, 0.6e6, 0.6e6, 0.6e6);
+        assert_eq!(nothing, Flows::default(), "no drop, no flow");
     }
 
     #[test]

@@ -6,6 +6,7 @@
 //! Limits: both volumes constant and equal, one bulk modulus.
 
 use super::passages::{Flows, Params};
+use crate::numeric::lane::Lane;
 
 /// The pressures, and the auxiliary ones that remember how much vapour has formed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -64,7 +65,7 @@ impl Block {
     }
 
     /// One step under the valve's flows and the jack's.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, flows: &Flows, jack_flow_m3_per_s: f64, time_step_s: f64) -> State {
         let absorbed = jack_flow_m3_per_s + self.leakage_m3_per_s_per_pa * s.load_pressure_pa();
@@ -72,8 +73,8 @@ impl Block {
         let auxiliary_1_pa = s.auxiliary_1_pa + (flows.supply_to_1 - flows.from_1_to_return - absorbed) * pa_per_flow;
         let auxiliary_2_pa = s.auxiliary_2_pa + (absorbed - (flows.from_2_to_return - flows.supply_to_2)) * pa_per_flow;
         State {
-            port_1_pa: auxiliary_1_pa.max(self.vapour_pa),
-            port_2_pa: auxiliary_2_pa.max(self.vapour_pa),
+            port_1_pa: Lane::max(auxiliary_1_pa, self.vapour_pa),
+            port_2_pa: Lane::max(auxiliary_2_pa, self.vapour_pa),
             auxiliary_1_pa,
             auxiliary_2_pa,
         }

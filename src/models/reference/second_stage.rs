@@ -2,7 +2,7 @@
 //!
 //! Source: section 4.1.2, figure 4.9, with Borello's friction and the filter's coefficient Kintas on both gains.
 //! Signs: a flow into the jack pulls the spool back (flow force).
-//! Range: end stops at ±XSM; Kintas from 0 (clean) to below 1.
+//! Range: end stops at ±XSM; Kintas from 0 (clean) to 1 (closed), where a spool without damping stands.
 //! Limits: first order: the spool's inertia is neglected, as in the thesis.
 
 use serde::{Deserialize, Serialize};
@@ -123,7 +123,7 @@ impl Block {
 
     /// One step with the flapper where it is, the jack's flow of the step before, and the supply differential as a part
     /// of the one that the block was prepared for.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(
         &self,
@@ -140,13 +140,16 @@ impl Block {
         let active_n = gains.force_n_per_m * flapper_m - p.flow_force_n_s_per_m3 * jack_flow_m3_per_s;
         let velocity = self.velocity(s.velocity_m_per_s, active_n, gains.resistance_n_s_per_m);
         let (position_m, velocity_m_per_s) =
-            end_stop::step(p.spool_position_max_m, s.position_m + velocity * time_step_s, velocity);
+            end_stop::hold(p.spool_position_max_m, s.position_m + velocity * time_step_s, velocity);
         State { position_m, velocity_m_per_s }
     }
 
     /// Borello's friction on a body without mass: the velocity follows the force at once.
     fn velocity(&self, previous: f64, active_n: f64, resistance_n_s_per_m: f64) -> f64 {
-        if previous != 0.0 {
+        if resistance_n_s_per_m == 0.0 {
+            // No damping and a closed filter: 0/0. The oil that is shut in holds the spool.
+            0.0
+        } else if previous != 0.0 {
             let net_n = active_n - previous.sign_times(self.friction.dynamic_n);
             arrest(previous, net_n / resistance_n_s_per_m)
         } else if active_n.abs() <= self.friction.static_n {
@@ -189,5 +192,9 @@ mod tests {
         let speeds: Vec<f64> = [0.0, 0.3, 0.6].map(|c| settled_velocity(&block(c), 10e-6)).into();
         assert!(speeds[0] > speeds[1] && speeds[1] > speeds[2] && speeds[2] > 0.0, "{speeds:?}");
         assert_eq!(settled_velocity(&block(1.0), 30e-6), 0.0, "a closed filter moves nothing");
+        let mut params = ParameterSet::reference().reference_model().second_stage;
+        (params.filter_clogging, params.damping_n_s_per_m) = (1.0, 0.0);
+        let undamped = Block::new(&params, params.nominal_pressure_differential_pa);
+        assert_eq!(undamped.step(&State::default(), 30e-6, 1e-4, 1.0, 1e-5), State::default());
     }
 }

@@ -8,9 +8,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::models::blocks::{backlash, hysteresis, torque_motor};
+use super::first_stage;
+use crate::models::blocks::{backlash, end_stop, hysteresis, torque_motor};
 use crate::models::checks::Checks;
-use crate::numeric::lane::Lane;
 
 /// How the force follows from the current.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -78,15 +78,13 @@ impl MagneticCircuit {
 }
 
 impl Params {
-    pub(crate) fn check(&self, checks: &mut Checks) {
+    pub(crate) fn check(&self, shared: &torque_motor::Params, flapper: &first_stage::Params, checks: &mut Checks) {
         checks.within("reference.torque_motor.hysteresis_a", self.hysteresis_a, 0.0, 1.0, "A");
         checks.within("reference.torque_motor.current_offset_a", self.current_offset_a, -1.0, 1.0, "A");
         checks.within("reference.torque_motor.threshold_a", self.threshold_a, 0.0, 1.0, "A");
         let held_s = self.interference_sample_time_s;
         checks.within("reference.torque_motor.interference_sample_time_s", held_s, 0.0, 1.0, "s");
         let c = &self.magnetic_circuit;
-        let force_a = c.magnetomotive_force_a;
-        checks.within("reference.torque_motor.magnetic_circuit.magnetomotive_force_a", force_a, 0.0, 1e4, "A");
         checks.within("reference.torque_motor.magnetic_circuit.windings", c.windings, 1.0, 1e6, "");
         checks.within("reference.torque_motor.magnetic_circuit.gap_length_m", c.gap_length_m, 1e-5, 0.1, "m");
         checks.within("reference.torque_motor.magnetic_circuit.armature_length_m", c.armature_length_m, 1e-4, 1.0, "m");
@@ -94,10 +92,17 @@ impl Params {
         checks.within("reference.torque_motor.magnetic_circuit.edge_lambda", c.edge_lambda, 0.1, 10.0, "");
         checks.within("reference.torque_motor.magnetic_circuit.edge_alpha", c.edge_alpha, 0.0, 10.0, "");
         checks.within("reference.torque_motor.magnetic_circuit.edge_r", c.edge_r, 0.0, 10.0, "");
+        let force_a = c.magnetomotive_force_a;
+        // A magnetic spring that is no more than the flapper's own springs, where there is one.
+        let per_ampere = self.spring_a_per_m() / force_a * shared.force_gain_n_per_a;
+        let force_max_a = if per_ampere > 0.0 { flapper.stiffness_n_per_m() / per_ampere } else { f64::INFINITY };
+        let name = "reference.torque_motor.magnetic_circuit.magnetomotive_force_a";
+        checks.within_drawn(name, force_a, (0.0, 1e4), (0.0, force_max_a), "A");
     }
 
     /// Stiffness of the magnetic spring over the gain GM, A/m; zero with the fixed gain.
-    fn spring_a_per_m(&self) -> f64 {
+    #[must_use]
+    pub fn spring_a_per_m(&self) -> f64 {
         match self.force_model {
             ForceModel::FixedGain => 0.0,
             ForceModel::MagneticCircuit => self.magnetic_circuit.current_per_displacement_a_per_m(),
@@ -140,13 +145,13 @@ impl Block {
     }
 
     /// The state after a step and the force on the flapper, N.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn step(&self, s: &State, asked_a: f64, interference_a: f64, flapper_position_m: f64) -> (State, f64) {
         let p = &self.params;
         let (hysteresis, shifted_a) = hysteresis::step(p.hysteresis_a, &s.hysteresis, asked_a);
         let disturbed_a = shifted_a + p.current_offset_a + interference_a;
-        let current_a = disturbed_a.clip(self.shared.current_max_a);
+        let (current_a, _) = end_stop::hold(self.shared.current_max_a, disturbed_a, 0.0);
         let effective_a = backlash::step(p.threshold_a, s.effective_a, current_a);
         let net_a = effective_a - self.spring_a_per_m * flapper_position_m;
         let force_n = torque_motor::force(&self.shared, net_a, self.demagnetisation);

@@ -38,6 +38,7 @@ impl Interference {
     }
 
     /// The current of the next time step, A.
+    #[inline(always)]
     pub fn next(&mut self) -> f64 {
         if let Some(stream) = &mut self.stream {
             if self.step.is_multiple_of(self.steps_per_draw) {

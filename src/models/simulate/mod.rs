@@ -12,6 +12,7 @@ use utoipa::ToSchema;
 
 use super::drive::{Drive, POSITION_MAX_M};
 use super::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
+use super::monitoring::fluid::FluidModel;
 use super::parameters::ParameterSet;
 use super::signal::Signal;
 use super::trace::{DURATION_MAX_S, SAMPLES_MIN, Trace};
@@ -19,7 +20,7 @@ use super::{monitoring, reference};
 use crate::numeric::watch::Watch;
 use inputs::Inputs;
 use interference::Interference;
-use plant::{MonitoringPlant, Plant};
+use plant::{MonitoringPlant, Plant, Work, on_reference};
 pub use provenance::Provenance;
 use recorder::Recorder;
 
@@ -27,6 +28,8 @@ use recorder::Recorder;
 pub const SAMPLE_RATE_MAX_HZ: f64 = 1e5;
 /// The most samples that a simulation may make: ten minutes at 1 kHz, both ends included.
 pub const SIMULATED_SAMPLES_MAX: f64 = 600_001.0;
+/// The most supply pressure over the parameter set's.
+const SUPPLY_FACTOR_MAX: f64 = 2.0;
 /// The most external load, N.
 const LOAD_MAX_N: f64 = 1e6;
 /// Steps between two looks at the watch.
@@ -78,6 +81,8 @@ pub struct Simulation {
     pub model: ModelKind,
     /// The command.
     pub command: Drive,
+    /// The monitoring model's fluid; the reference model has its own.
+    pub fluid: Option<FluidModel>,
     /// The faults.
     pub faults: Faults,
     /// External load on the jack beside the parameter set's constant one, N, within ±1e6; none without it.
@@ -107,6 +112,11 @@ pub enum SimulationError {
         /// Its range, with its unit.
         expected: &'static str,
     },
+    /// The reference model was asked for a fluid of the monitoring model's.
+    #[error(
+        "fluid: found one for the reference model, expected none: only the monitoring model has fluids to choose from"
+    )]
+    Fluid,
     /// The supply pressure is beyond what the parameter set allows.
     #[error("supply_pressure_pa: found {found}, expected at most {max} Pa, twice the parameter set's")]
     Supply {
@@ -126,13 +136,27 @@ pub enum SimulationError {
     Cancelled,
 }
 
+impl SimulationError {
+    /// The field at fault, where it is one.
+    #[must_use]
+    pub fn field(&self) -> Option<&'static str> {
+        match self {
+            Self::OutOfRange { name, .. } => Some(name),
+            Self::Fluid => Some("fluid"),
+            Self::Supply { .. } => Some("supply_pressure_pa"),
+            Self::Diverged { .. } | Self::Cancelled => None,
+        }
+    }
+}
+
 impl Simulation {
-    /// A run without noise, external load or another supply, its seed 1.
+    /// A run without noise, external load or another supply, its seed 1; the monitoring model with its developed fluid.
     #[must_use]
     pub fn new(model: ModelKind, command: Drive, faults: Faults, duration_s: f64, sample_rate_hz: f64) -> Self {
         Self {
             model,
             command,
+            fluid: None,
             faults,
             external_load_n: None,
             supply_pressure_pa: None,
@@ -143,9 +167,9 @@ impl Simulation {
         }
     }
 
-    /// Every field that is out of its range; empty when the recipe can be run.
+    /// Every field that is out of its range; empty when the recipe can be run with this parameter set.
     #[must_use]
-    pub fn check(&self) -> Vec<SimulationError> {
+    pub fn check(&self, set: &ParameterSet) -> Vec<SimulationError> {
         let mut errors = Vec::new();
         let mut expect = |holds: bool, name, found, expected| {
             if !holds {
@@ -192,6 +216,14 @@ impl Simulation {
         let samples = (duration_s * rate_hz).floor() + 1.0;
         let fits = (SAMPLES_MIN as f64..=SIMULATED_SAMPLES_MAX).contains(&samples);
         expect(fits, "duration_s times sample_rate_hz", samples, "10 to 600001 samples");
+        if self.model == ModelKind::Reference && self.fluid.is_some() {
+            errors.push(SimulationError::Fluid);
+        }
+        let max = SUPPLY_FACTOR_MAX * set.reference_model().fluid.supply_pressure_pa;
+        let (_, found) = range(self.supply_pressure_pa.as_ref());
+        if found > max {
+            errors.push(SimulationError::Supply { found, max });
+        }
         errors
     }
 }
@@ -207,27 +239,47 @@ fn range(quantity: Option<&Quantity>) -> (f64, f64) {
 /// # Errors
 /// The first field out of its range, a model that diverged, or cancellation by `watch`.
 pub fn simulate(recipe: &Simulation, set: &ParameterSet, watch: &dyn Watch) -> Result<Trace, SimulationError> {
-    if let Some(error) = recipe.check().into_iter().next() {
+    if let Some(error) = recipe.check(set).into_iter().next() {
         return Err(error);
     }
-    let inputs = Inputs::new(recipe, set)?;
+    let inputs = Inputs::new(recipe, set);
     match recipe.model {
         ModelKind::Reference => {
             let own = set.reference_model();
             let model = reference::Model::new(&set.shared(), own, &recipe.faults);
             let sample_time_s = own.torque_motor.interference_sample_time_s;
             let interference = Interference::new(recipe.noise_power_ma2_s, sample_time_s, own.time_step_s, recipe.seed);
-            run(&model, recipe, &inputs, interference, watch)
+            on_reference(model, TimeLoop { recipe, inputs, interference, watch })
         }
         ModelKind::Monitoring => {
-            let model = monitoring::Model::new(&set.shared(), set.monitoring_model());
+            let fluid = recipe.fluid.unwrap_or_default();
+            let model = monitoring::Model::with_fluid(&set.shared(), set.monitoring_model(), fluid);
             let candidate = model.candidate(recipe.faults.kgm, recipe.faults.fdj_n);
-            run(&MonitoringPlant { model, candidate }, recipe, &inputs, Interference::none(), watch)
+            let interference = Interference::none();
+            TimeLoop { recipe, inputs, interference, watch }.on(&MonitoringPlant { model, candidate })
         }
     }
 }
 
+/// The time loop with what it needs beside a plant.
+struct TimeLoop<'a> {
+    recipe: &'a Simulation,
+    inputs: Inputs<'a>,
+    interference: Interference,
+    watch: &'a dyn Watch,
+}
+
+impl Work for TimeLoop<'_> {
+    type Output = Result<Trace, SimulationError>;
+
+    #[inline(always)]
+    fn on<P: Plant>(self, plant: &P) -> Self::Output {
+        run(plant, self.recipe, &self.inputs, self.interference, self.watch)
+    }
+}
+
 /// The time loop.
+#[inline(always)]
 fn run<P: Plant>(
     plant: &P,
     recipe: &Simulation,
@@ -311,7 +363,8 @@ mod tests {
         bad.noise_power_ma2_s = 5e-6;
         bad.duration_s = -1.0;
         bad.sample_rate_hz = 0.0;
-        assert_eq!(bad.check().len(), 9, "{:?}", bad.check());
+        let errors = bad.check(&ParameterSet::reference());
+        assert_eq!(errors.len(), 9, "{errors:?}");
     }
 
     #[test]

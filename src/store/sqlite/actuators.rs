@@ -2,17 +2,19 @@
 
 use sqlx::sqlite::{SqlitePool, SqliteRow};
 
+use super::begin;
 use super::row::{Reader, micros};
 use crate::store::records::{Actuator, Id, Thresholds};
 use crate::store::{Page, Paged, StoreError};
 
 const INSERT: &str = "INSERT INTO actuators
     (id, serial_number, tail_number, location, parameter_set, threshold_kgm, threshold_fdj_n, usage_unit, created_at,
-    revision) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)";
-const ONE: &str = "SELECT id, serial_number, tail_number, location, parameter_set, threshold_kgm, threshold_fdj_n,
-    usage_unit, created_at, revision FROM actuators WHERE id = ?1";
-pub(super) const LIST: &str = "SELECT id, serial_number, tail_number, location, parameter_set, threshold_kgm,
-    threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id > ?1 ORDER BY id LIMIT ?2";
+    revision, parameter_set_hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)";
+const ONE: &str = "SELECT id, serial_number, tail_number, location, parameter_set, parameter_set_hash,
+    threshold_kgm, threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id = ?1";
+const PIN: &str = "UPDATE actuators SET parameter_set = ?2, parameter_set_hash = ?3 WHERE id = ?1";
+pub(super) const LIST: &str = "SELECT id, serial_number, tail_number, location, parameter_set, parameter_set_hash,
+    threshold_kgm, threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id > ?1 ORDER BY id LIMIT ?2";
 
 pub(super) async fn insert(writer: &SqlitePool, actuator: &Actuator) -> Result<(), StoreError> {
     let inserted = sqlx::query(INSERT)
@@ -26,6 +28,7 @@ pub(super) async fn insert(writer: &SqlitePool, actuator: &Actuator) -> Result<(
         .bind(actuator.usage_unit.name())
         .bind(micros(actuator.created_at))
         .bind(actuator.revision)
+        .bind(&actuator.parameter_set_hash)
         .execute(writer)
         .await;
     match inserted {
@@ -39,6 +42,15 @@ pub(super) async fn insert(writer: &SqlitePool, actuator: &Actuator) -> Result<(
 pub(super) async fn one(readers: &SqlitePool, id: Id) -> Result<Option<Actuator>, StoreError> {
     let row = sqlx::query(ONE).bind(id.to_string()).fetch_optional(readers).await?;
     row.as_ref().map(read).transpose()
+}
+
+pub(super) async fn pin(writer: &SqlitePool, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError> {
+    let mut transaction = begin(writer).await?;
+    sqlx::query(PIN).bind(id.to_string()).bind(set).bind(hash).execute(&mut *transaction).await?;
+    let row = sqlx::query(ONE).bind(id.to_string()).fetch_optional(&mut *transaction).await?;
+    let actuator = row.as_ref().map(read).transpose()?;
+    transaction.commit().await?;
+    Ok(actuator)
 }
 
 pub(super) async fn list(readers: &SqlitePool, page: &Page) -> Result<Paged<Actuator>, StoreError> {
@@ -57,6 +69,7 @@ pub(super) fn read(row: &SqliteRow) -> Result<Actuator, StoreError> {
         tail_number: row.value()?,
         location: row.value()?,
         parameter_set: row.value()?,
+        parameter_set_hash: row.value()?,
         thresholds: Thresholds { kgm: row.value()?, fdj_n: row.value()? },
         usage_unit: row.name()?,
         created_at: row.time()?,

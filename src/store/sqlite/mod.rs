@@ -6,10 +6,13 @@ mod durability;
 mod fleet;
 mod health;
 mod jobs;
+mod parameter_sets;
 #[cfg(test)]
 mod plans;
 mod row;
 mod traces;
+#[cfg(test)]
+mod upgrades;
 mod uploads;
 
 use std::path::Path;
@@ -23,7 +26,8 @@ use sqlx::{Connection as _, Sqlite, SqliteConnection, Transaction};
 
 use super::local::create_durably;
 use super::records::{
-    Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, TraceRecord,
+    Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, ParameterSetRecord,
+    TraceRecord,
 };
 use super::{FleetRow, LifeHistory, Page, Paged, Records, StoreError};
 
@@ -102,8 +106,32 @@ impl Records for SqliteRecords {
         actuators::one(&self.readers, id).await
     }
 
+    async fn pin_actuator(&self, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError> {
+        actuators::pin(&self.writer, id, set, hash).await
+    }
+
     async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError> {
         actuators::list(&self.readers, page).await
+    }
+
+    async fn insert_parameter_set(&self, set: &ParameterSetRecord) -> Result<(ParameterSetRecord, bool), StoreError> {
+        parameter_sets::insert(&self.writer, set).await
+    }
+
+    async fn keep_built_in_set(&self, set: &ParameterSetRecord) -> Result<(), StoreError> {
+        parameter_sets::keep_built_in(&self.writer, set).await
+    }
+
+    async fn newest_parameter_set(&self, name: &str) -> Result<Option<ParameterSetRecord>, StoreError> {
+        parameter_sets::newest(&self.readers, name).await
+    }
+
+    async fn parameter_sets_by_hash(&self, name: &str, prefix: &str) -> Result<Vec<ParameterSetRecord>, StoreError> {
+        parameter_sets::by_hash(&self.readers, name, prefix).await
+    }
+
+    async fn parameter_sets(&self, page: &Page) -> Result<Paged<ParameterSetRecord>, StoreError> {
+        parameter_sets::list(&self.readers, page).await
     }
 
     async fn insert_upload(&self, trace: &TraceRecord, job: &NewJob, queue_limit: u64) -> Result<(), StoreError> {

@@ -2,7 +2,7 @@
 
 use sqlx::{AssertSqlSafe, Row as _};
 
-use super::{SqliteRecords, actuators, fleet, health, jobs};
+use super::{SqliteRecords, actuators, fleet, health, jobs, parameter_sets};
 
 async fn plan(records: &SqliteRecords, sql: &'static str) -> Vec<String> {
     let explain = AssertSqlSafe(format!("EXPLAIN QUERY PLAN {sql}"));
@@ -16,6 +16,9 @@ async fn every_hot_query_searches_an_index_and_sorts_nothing() {
     let records = SqliteRecords::open(dir.path()).await.unwrap();
     let hot = [
         actuators::LIST,
+        parameter_sets::NEWEST,
+        parameter_sets::BY_HASH,
+        parameter_sets::LIST,
         jobs::LIST,
         jobs::LIST_IN_STATE,
         jobs::COUNT_QUEUED,

@@ -97,8 +97,12 @@ pub fn csv() -> Vec<u8> {
 pub fn simulation() -> JobSpec {
     JobSpec::Simulation(SimulationSpec {
         model: ModelKind::Monitoring,
+        parameter_set: None,
+        fluid: None,
         command: "diagnostic".into(),
         faults: Faults::default(),
+        external_load_n: None,
+        supply_pressure_pa: None,
         noise_power: 0.0,
         seed: 1,
         duration_s: 0.1,

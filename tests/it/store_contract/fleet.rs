@@ -29,6 +29,7 @@ pub async fn contract_a_malformed_cursor_is_refused_by_every_list(records: Arc<d
     let id = Id::now();
     let errors = [
         records.actuators(&page).await.unwrap_err(),
+        records.parameter_sets(&page).await.unwrap_err(),
         records.jobs(None, &page).await.unwrap_err(),
         records.health(id, None, None, &page).await.unwrap_err(),
         records.maintenance(id, &page).await.unwrap_err(),
@@ -57,6 +58,7 @@ pub async fn contract_a_cursor_of_another_list_is_refused(records: Arc<dyn Recor
         records.maintenance(a, &of_health).await.unwrap_err(),
         records.fleet(Some("I-ABCD"), &of_fleet).await.unwrap_err(),
         records.actuators(&of_jobs).await.unwrap_err(),
+        records.parameter_sets(&of_jobs).await.unwrap_err(),
         records.jobs(Some(JobState::Succeeded), &of_jobs).await.unwrap_err(),
     ];
     assert!(errors.iter().all(|error| matches!(error, StoreError::Cursor { .. })), "{errors:?}");

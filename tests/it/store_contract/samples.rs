@@ -2,8 +2,8 @@
 
 use elevon::estimation::{Estimate, Verdict};
 use elevon::store::records::{
-    Actuator, ForecastRecord, Id, JobKind, Maintenance, MaintenanceKind, NewJob, Outcome, Thresholds, TraceRecord,
-    UsageUnit, now,
+    Actuator, ForecastRecord, Id, JobKind, Maintenance, MaintenanceKind, NewJob, Outcome, ParameterSetRecord,
+    Thresholds, TraceRecord, UsageUnit, now,
 };
 use elevon::store::{Page, Records};
 use jiff::Timestamp;
@@ -29,6 +29,7 @@ pub fn actuator(serial_number: &str) -> Actuator {
         tail_number: "I-ABCD".into(),
         location: "left aileron".into(),
         parameter_set: "reference".into(),
+        parameter_set_hash: "00".into(),
         thresholds: Thresholds::default(),
         usage_unit: UsageUnit::FlightHours,
         created_at: now(),
@@ -59,6 +60,12 @@ pub fn trace(actuator: Id, second: i64) -> TraceRecord {
         duration_s: 2.0,
         created_at: now(),
     }
+}
+
+/// A version of a parameter set; whatever its hash, the store takes it.
+pub fn parameter_set(name: &str, hash: &str) -> ParameterSetRecord {
+    let parameters = json!({"jack": {"area_m2": 0.1 + 0.2, "mass_kg": 10}, "oil": "constant"});
+    ParameterSetRecord { id: Id::now(), name: name.into(), hash: hash.into(), parameters, created_at: now() }
 }
 
 pub fn job() -> NewJob {

@@ -1,5 +1,6 @@
 //! Actuators.
 
+mod change;
 mod create;
 mod get;
 mod list;
@@ -13,5 +14,5 @@ use crate::http::App;
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(create::create_actuator, list::list_actuators))
-        .routes(routes!(get::get_actuator))
+        .routes(routes!(get::get_actuator, change::change_actuator))
 }

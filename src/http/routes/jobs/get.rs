@@ -13,8 +13,8 @@ use crate::store::records::Job;
 /// One job.
 ///
 /// An estimation's `result` holds what was found (`kgm`, `kgm_std`, `fdj_n`, `fdj_n_std`, `cost`, `verdict`, `reasons`, ...)
-/// and the `trace_id`; a simulation's holds the `trace_id`. A trace that tells nothing is no failure: the job succeeds
-/// with the verdict `inconclusive`.
+/// and the `trace_id`; a simulation's holds the `trace_id` and what the trace was made from (`parameter_set_hash`, `seed`,
+/// `version`, ...). A trace that tells nothing is no failure: the job succeeds with the verdict `inconclusive`.
 #[utoipa::path(
     get,
     path = "/v1/jobs/{id}",

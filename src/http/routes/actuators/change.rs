@@ -1,0 +1,38 @@
+//! Changing an actuator.
+
+use axum::Json;
+use axum::extract::State;
+
+use crate::http::App;
+use crate::http::body::actuator::ActuatorChange;
+use crate::http::error::{ApiError, ApiResult};
+use crate::http::extract::id::PathId;
+use crate::http::extract::json::JsonBody;
+use crate::http::extract::query::{NoQuery, Query};
+use crate::http::openapi::RecordBodyProblems;
+use crate::http::routes::{actuator, parameter_set};
+use crate::store::records::Actuator;
+
+/// Pins an actuator to another parameter set, or to another version of its own.
+///
+/// What is estimated from now on is estimated with it, what waits in the queue included. Earlier estimates stay as they are,
+/// each with the hash of the set that it was made with.
+#[utoipa::path(
+    patch,
+    path = "/v1/actuators/{id}",
+    tag = "actuators",
+    params(("id" = String, Path, description = "The actuator's id")),
+    request_body = ActuatorChange,
+    responses((status = 200, description = "The actuator as it is now", body = Actuator), RecordBodyProblems)
+)]
+pub(super) async fn change_actuator(
+    State(app): State<App>,
+    id: PathId,
+    _: Query<NoQuery>,
+    JsonBody(body): JsonBody<ActuatorChange>,
+) -> ApiResult<Json<Actuator>> {
+    let id = actuator(&app, &id).await?.id;
+    let (set, hash) = ActuatorChange::check(parameter_set(&app, Some(&body.parameter_set)).await?)?;
+    let changed = app.records.pin_actuator(id, &set, &hash).await?;
+    changed.map(Json).ok_or_else(|| ApiError::not_found("actuator", id))
+}
