@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::parameter_sets::Choice;
 use super::progress::{Bar, Part};
 use super::{Failure, first_of, print, read_file, refused};
+use crate::estimation::method::{Choices, Method};
 use crate::estimation::{Estimate, Settings, estimate};
 use crate::formats::{self, FormatError, ReadOptions};
 use crate::models::parameters::ParameterSet;
@@ -25,6 +26,16 @@ pub struct EstimateArgs {
     /// Traces: .csv or .json by their extension
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// The method of the search, before the local polish: ga (genetic algorithm), de (differential evolution), pso (particle
+    /// swarm), gwo (grey wolf), dragonfly or multistart (local searches from many starts)
+    #[arg(long, value_name = "NAME", default_value = Method::Ga.name())]
+    method: Method,
+    /// What the genetic algorithm does at each stage: thesis, or any of scaling=rank|proportional,
+    /// selection=roulette|stochastic_uniform|tournament:SIZE, crossover=scattered|single_point|two_points|arithmetic|
+    /// intermediate:RATIO|heuristic:RATIO, crossover_share=F, mutation=gaussian:SCALE:SHRINK|uniform:RATE|adaptive_feasible,
+    /// elite_share=F, with commas between them
+    #[arg(long, value_name = "CHOICES", default_value = "thesis")]
+    ga: Choices,
     /// Candidates in a generation, 4 to 1000
     #[arg(long, value_name = "N", default_value_t = Settings::default().population)]
     population: usize,
@@ -60,7 +71,8 @@ struct Report<'a> {
 pub fn run(args: &EstimateArgs) -> Result<(), Failure> {
     let columns = ReadOptions::parse_columns(&args.columns).map_err(|errors| bad_input(&errors))?;
     let options = ReadOptions { columns, sample_rate_hz: args.sample_rate_hz };
-    let settings = Settings { population: args.population, generations: args.generations, seed: args.seed };
+    let EstimateArgs { method, ga, population, generations, seed, .. } = *args;
+    let settings = Settings { method, ga, population, generations, seed };
     let set = args.parameters.load()?;
     let bar = Bar::new("estimating");
     let parts = bar.parts(args.files.len());

@@ -4,6 +4,7 @@
 
 mod demo;
 mod estimate;
+mod methods;
 mod openapi;
 mod parameter_sets;
 mod parameters;
@@ -41,6 +42,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Estimate faults from traces, without a server
     Estimate(estimate::EstimateArgs),
+    /// Compare the methods of the search at equal evaluations
+    Methods(methods::MethodsArgs),
     /// Make the thesis's tables and figures again, ours beside the thesis's
     Reproduce(reproduce::ReproduceArgs),
     /// Show a parameter set, check one, or fit its monitoring model to its reference model
@@ -56,6 +59,7 @@ impl Command {
             Self::Demo(args) => demo::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
+            Self::Methods(args) => methods::run(&args),
             Self::Reproduce(args) => reproduce::run(&args),
             Self::Parameters(args) => parameters::run(&args),
             Self::Openapi => openapi::run(),

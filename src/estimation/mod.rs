@@ -7,6 +7,7 @@
 pub mod evaluate;
 pub mod features;
 pub mod manoeuvre;
+pub mod method;
 mod plausibility;
 pub mod search;
 pub mod uncertainty;
@@ -21,7 +22,9 @@ use utoipa::ToSchema;
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::Trace;
 use crate::numeric::watch::Watch;
+
 use evaluate::Evaluator;
+use method::{Choices, Method};
 use plausibility::{misfits, objections};
 
 /// Whether a trace determined the faults. The features objective determines both or none.
@@ -51,9 +54,15 @@ pub const POPULATION: RangeInclusive<usize> = 4..=1000;
 pub const GENERATIONS: RangeInclusive<usize> = 0..=1000;
 
 /// How to search.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Settings {
+    /// The method of the search, before the local polish.
+    #[serde(default)]
+    pub method: Method,
+    /// What the genetic algorithm does at each stage; of no effect with another method.
+    #[serde(default)]
+    pub ga: Choices,
     /// Candidates in a generation, 4 to 1000; 40 in the thesis.
     pub population: usize,
     /// Generations, 0 to 1000; 10 in the thesis.
@@ -64,7 +73,7 @@ pub struct Settings {
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { population: 40, generations: 10, seed: 1 }
+        Self { method: Method::Ga, ga: Choices::THESIS, population: 40, generations: 10, seed: 1 }
     }
 }
 
@@ -83,7 +92,7 @@ pub struct Estimate {
     pub cost: Option<f64>,
     /// Monitoring-model runs that the search made.
     pub evaluations: u64,
-    /// The search method.
+    /// The search method; `ga(...)` with choices that are not the thesis's.
     pub method: String,
     /// The seed of the search.
     pub seed: u64,
@@ -167,6 +176,14 @@ pub fn estimate(
 }
 
 impl Settings {
+    /// The method, with the genetic algorithm's choices where they are not the thesis's.
+    fn method_told(&self) -> String {
+        match self.method {
+            Method::Ga if self.ga != Choices::THESIS => format!("ga({})", self.ga),
+            method => method.name().into(),
+        }
+    }
+
     fn check(&self) -> Result<(), EstimationError> {
         let expect = |name, found: usize, range: RangeInclusive<usize>| {
             let (min, max) = (*range.start(), *range.end());
@@ -187,7 +204,7 @@ impl Estimate {
             fdj_n_std: None,
             cost: None,
             evaluations: 0,
-            method: "ga".into(),
+            method: settings.method_told(),
             seed: settings.seed,
             objective: "features".into(),
             verdict: Verdict::Inconclusive,

@@ -1,13 +1,12 @@
-//! The search for the faults: the thesis's objective, its genetic algorithm, a local polish.
+//! The search for the faults: the thesis's objective, a wide search (the genetic algorithm or another), a local polish.
 
 use super::evaluate::{Evaluator, Proposal};
 use super::features::{Features, Measured};
+use super::method::Method;
 use super::{EstimationError, Settings};
 use crate::models::fault::{FDJ_MAX_N, FDJ_NOMINAL_N};
 use crate::models::monitoring::Bias;
-use crate::numeric::rng::Seed;
 use crate::numeric::watch::Watch;
-use crate::optimiser::genetic::{self, Genetic};
 use crate::optimiser::polish::simplex::{self, Simplex};
 use crate::optimiser::{Best, Bounds, Candidate, Search};
 
@@ -18,12 +17,25 @@ const PRESSURE_WEIGHT_PER_PA: f64 = 1e-4;
 /// The polish: it ends within 1e-6 of the ranges, or at a cost that stands for 1e-5 mA or 1 Pa.
 const POLISH: simplex::Settings =
     simplex::Settings { width: 0.02, width_min: 1e-6, iterations: 200, cost_enough: 1e-4 };
-/// The share of the progress that the genetic algorithm makes; the polish makes the rest.
-const GENETIC_PROGRESS: f64 = 0.7;
+/// The share of the progress that the wide search makes; the polish makes the rest.
+const WIDE_PROGRESS: f64 = 0.7;
 
 /// What a search found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
+    /// The best candidate.
+    pub proposal: Proposal,
+    /// Its objective.
+    pub cost: f64,
+    /// Model runs made.
+    pub evaluations: u64,
+    /// What the wide search had found, before the polish.
+    pub wide: Wide,
+}
+
+/// What the wide search found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wide {
     /// The best candidate.
     pub proposal: Proposal,
     /// Its objective.
@@ -57,24 +69,24 @@ pub fn search(
         let features = evaluator.features(&proposals);
         features.iter().map(|modelled| objective(&measured.features, modelled, bias)).collect()
     };
-    let genetic = genetic::Settings::thesis(settings.population, settings.generations);
     let rounds = settings.generations + 1;
     let mut evaluations = 0;
-    let mut genetic = Genetic::new(&bounds, genetic, Seed(settings.seed));
+    let mut wide = Method::search(settings, &bounds);
     let first =
-        drive(&mut genetic, &costs, &mut evaluations, watch, |round| GENETIC_PROGRESS * round as f64 / rounds as f64)?;
+        drive(wide.as_mut(), &costs, &mut evaluations, watch, |round| WIDE_PROGRESS * round as f64 / rounds as f64)?;
+    let proposal = |candidate: &Candidate| Proposal { kgm: candidate[0], fdj_n: candidate[1] };
+    let wide = Wide { proposal: proposal(&first.candidate), cost: first.cost, evaluations };
     let mut simplex = Simplex::new(&bounds, &first.candidate, POLISH);
     let polished = drive(&mut simplex, &costs, &mut evaluations, watch, |round| {
-        GENETIC_PROGRESS + (1.0 - GENETIC_PROGRESS) * round as f64 / POLISH.iterations as f64
+        WIDE_PROGRESS + (1.0 - WIDE_PROGRESS) * round as f64 / POLISH.iterations as f64
     })?;
     let best = if polished.cost < first.cost { polished } else { first };
-    let proposal = Proposal { kgm: best.candidate[0], fdj_n: best.candidate[1] };
-    Ok(Found { proposal, cost: best.cost, evaluations })
+    Ok(Found { proposal: proposal(&best.candidate), cost: best.cost, evaluations, wide })
 }
 
 /// Runs a search to its end.
 fn drive(
-    search: &mut impl Search,
+    search: &mut dyn Search,
     costs: &impl Fn(&[Candidate]) -> Vec<f64>,
     evaluations: &mut u64,
     watch: &dyn Watch,

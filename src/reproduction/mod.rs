@@ -7,6 +7,7 @@ mod curves;
 pub mod differences;
 mod estimates;
 pub mod figure;
+pub mod methods;
 pub mod plot;
 pub mod report;
 mod responses;

@@ -58,6 +58,23 @@ fn standard_output_is_csv_with_the_contract_s_columns_first() {
 }
 
 #[test]
+fn the_method_of_the_search_and_its_choices_are_options() {
+    let folder = tempfile::tempdir().unwrap();
+    elevon(folder.path(), &[&SIMULATE[..], &["--fdj-n", "400", "--out", "trace.csv"]].concat());
+    let estimate = |more: &[&str]| elevon(folder.path(), &[&["estimate", "trace.csv", "--json"], more].concat());
+    for (options, method) in [
+        (&["--method", "gwo"][..], "gwo"),
+        (&["--ga", "thesis"], "ga"),
+        (&["--ga", "crossover=heuristic:1.2"], "ga(crossover=heuristic:1.2)"),
+    ] {
+        let reports: Vec<Value> = serde_json::from_slice(&estimate(options).stdout).unwrap();
+        assert_eq!((reports[0]["method"].as_str(), reports[0]["verdict"].as_str()), (Some(method), Some("conclusive")));
+    }
+    assert_refused(&estimate(&["--method", "luck"]), &["--method", "luck", "ga, de, pso, gwo, dragonfly, multistart"]);
+    assert_refused(&estimate(&["--ga", "crossover=heuristic"]), &["--ga", "crossover=heuristic", "heuristic:RATIO"]);
+}
+
+#[test]
 fn an_inconclusive_estimate_is_an_answer() {
     let folder = tempfile::tempdir().unwrap();
     elevon(folder.path(), &["simulate", "--model", "reference", "--command", "step:0", "--out", "idle.csv"]);

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
+use elevon::estimation::method::Method;
 use elevon::estimation::{Estimate, EstimationError, Settings, Verdict, estimate};
 use elevon::models::fault::Faults;
 use elevon::models::parameters::ParameterSet;
@@ -232,6 +233,24 @@ fn every_seed_of_the_search_ends_at_the_same_faults() {
         assert!((other.kgm.unwrap() - found[0].kgm.unwrap()).abs() < 1e-5, "{other:?}");
         assert!((other.fdj_n.unwrap() - found[0].fdj_n.unwrap()).abs() < 0.05, "{other:?}");
     }
+}
+
+#[test]
+fn every_method_and_every_choice_of_the_genetic_algorithm_ends_at_the_same_faults() {
+    let trace = diagnostic(0.25, 480.0);
+    let set = ParameterSet::reference();
+    let thesis = Settings::default();
+    let methods = Method::ALL.map(|method| (Settings { method, ..thesis }, method.name().to_owned()));
+    let choices = ["scaling=rank,selection=tournament:3", "crossover=heuristic:1.2,mutation=gaussian:0.25:1"];
+    let choices = choices.map(|text| (Settings { ga: text.parse().unwrap(), ..thesis }, format!("ga({text})")));
+    let all: Vec<(Settings, String)> = methods.into_iter().chain(choices).collect();
+    all.par_iter().for_each(|(settings, told)| {
+        let found = estimate(&trace, &set, settings, &Unwatched).unwrap();
+        assert_eq!(found.method, *told);
+        assert!((found.kgm.unwrap() - 0.25).abs() < 0.002, "{found:?}");
+        assert!((found.fdj_n.unwrap() - 480.0).abs() < 0.2, "{found:?}");
+        assert_eq!(estimate(&trace, &set, settings, &Unwatched).unwrap(), found, "the same seed, the same answer");
+    });
 }
 
 #[test]

@@ -32,13 +32,13 @@ async fn recovers_the_faults_of_a_simulated_actuator_through_upload_job_and_hist
     let csv = data_as(&service, &simulated.text("/result/trace_id"), "text/csv").await.expect(StatusCode::OK);
 
     let actuator = service.registered("EHA-1").await;
-    let path = format!("/v1/actuators/{actuator}/traces?{RECORDED}&seed=7&population=20&generations=4");
+    let path = format!("/v1/actuators/{actuator}/traces?{RECORDED}&seed=7&population=20&generations=4&method=pso");
     let accepted = service.post(&path, Some("text/csv"), csv.body).await.expect(StatusCode::ACCEPTED);
     assert_eq!(accepted.text("/job/state"), "queued");
     service.work().await;
     let job = service.get(accepted.header("location")).await.expect(StatusCode::OK);
     assert_eq!((job.text("/state"), job.value("/attempt")), ("succeeded".into(), json!(1)));
-    assert_eq!(job.value("/result/seed"), json!(7));
+    assert_eq!((job.value("/result/seed"), job.value("/result/method")), (json!(7), json!("pso")));
 
     let history = service.get(&format!("/v1/actuators/{actuator}/health")).await.expect(StatusCode::OK);
     let row = history.value("/items/0");

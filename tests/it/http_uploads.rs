@@ -211,6 +211,7 @@ async fn settings_of_the_search_out_of_range_are_told_at_once() {
     refused_query(&query, 422, &["?population", "?generations", "?sample_rate_hz"]).await;
     refused_query(&format!("{RECORDED}&seed=-1"), 400, &["?seed"]).await;
     refused_query(&format!("{RECORDED}&population=4.5"), 400, &["?population"]).await;
+    refused_query(&format!("{RECORDED}&method=luck&ga=scaling%3Dtop"), 400, &["?method", "?ga"]).await;
 }
 
 #[tokio::test]

@@ -5,6 +5,7 @@ use std::ops::RangeInclusive;
 use jiff::Timestamp;
 use utoipa::IntoParams;
 
+use crate::estimation::method::{Choices, Method};
 use crate::estimation::{GENERATIONS, POPULATION, Settings};
 use crate::formats::{self, Format, FormatError, ReadOptions};
 use crate::http::error::{ApiError, ApiResult};
@@ -24,6 +25,15 @@ pub struct UploadQuery {
     /// The actuator's usage then, in its usage unit.
     #[param(minimum = 0, maximum = 10000000, example = 1250.5)]
     pub usage: f64,
+    /// The method of the search, before the local polish; `ga` unless told.
+    #[param(inline)]
+    pub method: Option<Method>,
+    /// What the genetic algorithm does at each stage, `thesis` unless told: any of `scaling=rank|proportional`,
+    /// `selection=roulette|stochastic_uniform|tournament:SIZE`,
+    /// `crossover=scattered|single_point|two_points|arithmetic|intermediate:RATIO|heuristic:RATIO`, `crossover_share=F`,
+    /// `mutation=gaussian:SCALE:SHRINK|uniform:RATE|adaptive_feasible`, `elite_share=F`, with commas between them.
+    #[param(value_type = Option<String>, example = "thesis")]
+    pub ga: Option<Choices>,
     /// Seed of the search; 1 unless told.
     #[param(maximum = 18446744073709551615_u64)]
     pub seed: Option<u64>,
@@ -45,6 +55,8 @@ impl FromQuery for UploadQuery {
         let (recorded_at, usage) = (fields.time("recorded_at"), usage(fields));
         fields.require("recorded_at", recorded_at.is_some());
         fields.require("usage", usage.is_some());
+        let method = fields.parse("method", Method::ALL.map(Method::name).join(", "));
+        let ga = choices(fields);
         let seed = fields.parse("seed", format!("an integer, 0 to {}", u64::MAX));
         let population = fields.integer("population", numbers(&POPULATION));
         let generations = fields.integer("generations", numbers(&GENERATIONS));
@@ -55,7 +67,18 @@ impl FromQuery for UploadQuery {
         let rate = |value: f64| value.is_finite() && value > 0.0;
         let sample_rate_hz = fields.number("sample_rate_hz", "a finite number above 0", rate);
         let (recorded_at, usage) = (recorded_at?, usage?);
-        Some(Self { recorded_at, usage, seed, population, generations, columns, sample_rate_hz })
+        Some(Self { recorded_at, usage, method, ga, seed, population, generations, columns, sample_rate_hz })
+    }
+}
+
+fn choices(fields: &mut Fields) -> Option<Choices> {
+    let text = fields.text("ga")?;
+    match text.parse::<Choices>() {
+        Ok(choices) => Some(choices),
+        Err(error) => {
+            fields.malformed("ga", format!("found {:?}, expected {}", error.found, error.expected));
+            None
+        }
     }
 }
 
@@ -69,6 +92,8 @@ impl UploadQuery {
     pub fn settings(&self) -> Settings {
         let default = Settings::default();
         Settings {
+            method: self.method.unwrap_or(default.method),
+            ga: self.ga.unwrap_or(default.ga),
             population: self.population.map_or(default.population, |value| value as usize),
             generations: self.generations.map_or(default.generations, |value| value as usize),
             seed: self.seed.unwrap_or(default.seed),

@@ -1,13 +1,11 @@
 //! Crossover: a child of two parents (section 7.1).
 
 use rand::{Rng, RngExt};
-use serde::{Deserialize, Serialize};
 
 use crate::optimiser::Candidate;
 
 /// How two parents are combined. The first three pass variables on unchanged; the others make new values.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Crossover {
     /// Each variable comes from one parent or the other, by a random bit.
     Scattered,

@@ -1,16 +1,16 @@
 //! The genetic algorithm of section 7.1: creation, fitness scaling, selection, crossover, mutation, elitism; each of them
-//! selectable, with the thesis's choices (section 7.2) as [`Settings::thesis`]. The hybrid polish at the end is a search of
+//! selectable, with the thesis's choices (section 7.2) as [`Choices::THESIS`]. The hybrid polish at the end is a search of
 //! its own ([`super::polish`]).
 
+mod choices;
 mod crossover;
 mod mutation;
 mod scaling;
 mod selection;
 
-use serde::{Deserialize, Serialize};
-
 use super::{Best, Bounds, Candidate, Search, StopReason, key, ranking};
 use crate::numeric::rng::Seed;
+pub use choices::{Choices, ChoicesError};
 pub use crossover::Crossover;
 pub use mutation::Mutation;
 use mutation::Mutator;
@@ -18,68 +18,26 @@ pub use scaling::Scaling;
 pub use selection::Selection;
 
 /// How the search goes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Candidates in a generation, at least 4.
     pub population: usize,
     /// Generations bred after the first.
     pub generations: usize,
-    /// From costs to expectations.
-    pub scaling: Scaling,
-    /// From expectations to parents.
-    pub selection: Selection,
-    /// From two parents to a child.
-    pub crossover: Crossover,
-    /// Share of the children that come from crossover, 0 to 1; the others are mutants.
-    pub crossover_share: f64,
-    /// From one parent to a mutant.
-    pub mutation: Mutation,
-    /// Share of a generation that survives unchanged, rounded up, 0 to below 1.
-    pub elite_share: f64,
+    /// What happens at each stage.
+    pub choices: Choices,
 }
 
 impl Settings {
-    /// The thesis's choices (section 7.2): proportional scaling and adaptive feasible mutation, the rest as MATLAB's `ga`
-    /// has it: stochastic uniform selection, scattered crossover of 80 %, an elite of 5 %.
+    /// The thesis's choices.
     #[must_use]
     pub const fn thesis(population: usize, generations: usize) -> Self {
-        Self {
-            population,
-            generations,
-            scaling: Scaling::Proportional,
-            selection: Selection::StochasticUniform,
-            crossover: Crossover::Scattered,
-            crossover_share: 0.8,
-            mutation: Mutation::AdaptiveFeasible,
-            elite_share: 0.05,
-        }
+        Self { population, generations, choices: Choices::THESIS }
     }
 
     /// Candidates that survive a generation.
     fn elite(&self) -> usize {
-        ((self.population as f64 * self.elite_share).ceil() as usize).min(self.population - 1)
-    }
-
-    fn check(&self) {
-        assert!(self.population >= 4, "a population of {} cannot breed", self.population);
-        let shares = [self.crossover_share, self.elite_share];
-        assert!(
-            shares.iter().all(|share| (0.0..=1.0).contains(share)),
-            "shares of a generation lie in 0 to 1: {shares:?}"
-        );
-        let good = match self.crossover {
-            Crossover::Intermediate { ratio } | Crossover::Heuristic { ratio } => ratio.is_finite() && ratio > 0.0,
-            _ => true,
-        };
-        assert!(good, "a crossover's ratio is above 0: {:?}", self.crossover);
-        let good = match self.mutation {
-            Mutation::Gaussian { scale, shrink } => scale.is_finite() && scale > 0.0 && (0.0..=1.0).contains(&shrink),
-            Mutation::Uniform { rate } => (0.0..=1.0).contains(&rate),
-            Mutation::AdaptiveFeasible => true,
-        };
-        assert!(good, "a mutation's scale is above 0, its shrink and rate lie in 0 to 1: {:?}", self.mutation);
-        assert!(self.selection != Selection::Tournament { size: 0 }, "a tournament has at least one candidate");
+        ((self.population as f64 * self.choices.elite_share).ceil() as usize).min(self.population - 1)
     }
 }
 
@@ -106,7 +64,7 @@ impl Genetic {
     /// A search within bounds, from a random population.
     ///
     /// # Panics
-    /// When a setting is out of its range.
+    /// When the population is below 4.
     #[must_use]
     pub fn new(bounds: &Bounds, settings: Settings, seed: Seed) -> Self {
         Self::from_population(bounds, settings, seed, Vec::new())
@@ -116,15 +74,15 @@ impl Genetic {
     /// size is left out.
     ///
     /// # Panics
-    /// When a setting is out of its range.
+    /// When the population is below 4.
     #[must_use]
     pub fn from_population(bounds: &Bounds, settings: Settings, seed: Seed, given: Vec<Candidate>) -> Self {
-        settings.check();
+        assert!(settings.population >= 4, "a population of {} cannot breed", settings.population);
         Self {
             bounds: bounds.clone(),
             settings,
             seed,
-            mutator: Mutator::new(settings.mutation),
+            mutator: Mutator::new(settings.choices.mutation),
             generation: 0,
             given,
             parents: Vec::new(),
@@ -142,7 +100,8 @@ impl Genetic {
     }
 
     fn breed(&mut self) -> Vec<Candidate> {
-        let Settings { generations, scaling, selection, crossover, crossover_share, .. } = self.settings;
+        let Settings { generations, choices, .. } = self.settings;
+        let Choices { scaling, selection, crossover, crossover_share, .. } = choices;
         let children = self.settings.population - self.settings.elite();
         let index = self.generation as u64;
         self.mutator.adapt(self.improved, self.generation as f64 / generations as f64);

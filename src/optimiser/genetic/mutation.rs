@@ -2,13 +2,11 @@
 
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
-use serde::{Deserialize, Serialize};
 
 use crate::optimiser::{Bounds, Candidate};
 
 /// How a parent is changed. Reaches are parts of each variable's interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mutation {
     /// A normal number is added to every variable; its deviation falls over the generations.
     Gaussian {

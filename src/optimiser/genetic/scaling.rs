@@ -1,12 +1,9 @@
 //! Fitness scaling: from costs to how many children each candidate may expect (section 7.1).
 
-use serde::{Deserialize, Serialize};
-
 use crate::optimiser::{key, ranking};
 
 /// How costs become expectations.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scaling {
     /// By rank: the expectation falls with the square root of the place, whatever the costs.
     Rank,

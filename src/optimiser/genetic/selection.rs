@@ -1,11 +1,9 @@
 //! Selection of parents by their expectations (section 7.1).
 
 use rand::{Rng, RngExt};
-use serde::{Deserialize, Serialize};
 
 /// How parents are selected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Selection {
     /// A wheel with a segment as wide as each expectation, spun once for each parent (figure 7.2).
     Roulette,

@@ -121,7 +121,7 @@ fn table(
         }
     };
     let rows: Vec<Row> = cases.iter().zip(found.iter().zip(thesis)).enumerate().map(row).collect();
-    let Settings { population, generations, seed } = Settings::default();
+    let Settings { population, generations, seed, .. } = Settings::default();
     let mut notes = vec![format!(
         "Diagnostic command, reference model, {DURATION_S} s at 1 kHz; the faults found with a population of {population} and \
          {generations} generations, seed {seed}, the same for every case."
