@@ -93,6 +93,10 @@ pub enum Origin {
     Measured,
     /// What it was.
     Kept,
+    /// The built-in set's, where the set had none.
+    BuiltIn,
+    /// The built-in set's at the same velocity of the jack, where the set had none: in or against proportion to its area.
+    BuiltInScaled,
 }
 
 /// A parameter of the monitoring model before and after.
@@ -120,7 +124,12 @@ impl Fitted {
         };
         let change = |(old, new): (Parameter, Parameter)| {
             let was = number(&old.value).filter(|_| !missing.contains(&new.name));
-            let (origin, unit) = (origin(&new.name), new.limits.map_or("", |limits| limits.unit));
+            let origin = match origin(&new.name) {
+                Origin::Kept if was.is_none() && flow_power(&new.name) != 0 => Origin::BuiltInScaled,
+                Origin::Kept if was.is_none() => Origin::BuiltIn,
+                origin => origin,
+            };
+            let unit = new.limits.map_or("", |limits| limits.unit);
             Some(Change { old: was, new: number(&new.value)?, origin, unit, name: new.name })
         };
         let own = |name: &str| name.starts_with("monitoring.");
@@ -131,6 +140,17 @@ impl Fitted {
             .filter(|(_, new)| own(&new.name))
             .filter_map(change)
             .collect()
+    }
+}
+
+/// The power of the jack's flow, and so of its area at the same velocity, that a parameter of the monitoring model has and that
+/// no fit finds.
+#[must_use]
+pub fn flow_power(name: &str) -> i32 {
+    match name {
+        "monitoring.fluid.flow_reference_m3_per_s" => 1,
+        "monitoring.fluid.lag_flow_slope_s_per_m3" => -1,
+        _ => 0,
     }
 }
 

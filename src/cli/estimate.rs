@@ -43,7 +43,7 @@ pub struct EstimateArgs {
     #[arg(long, value_name = "N", default_value_t = Settings::default().generations)]
     generations: usize,
     /// Seed of the search
-    #[arg(long, value_name = "N", default_value_t = Settings::default().seed)]
+    #[arg(long, value_name = "N", default_value_t = Settings::default().seed, allow_negative_numbers = true)]
     seed: u64,
     /// Other column names, as Cor:servovalve_current_ma,P12:load_pressure_pa
     #[arg(long, value_name = "MAP", default_value = "")]

@@ -143,8 +143,9 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 fn read_file(file: &Path) -> Result<(Format, Vec<u8>), Failure> {
     let name = file.display();
     let extension = file.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let format = Format::from_extension(extension)
-        .ok_or_else(|| Failure::usage(anyhow!("{name}: expected a name that ends in .csv or .json")))?;
+    let format = Format::from_extension(extension).ok_or_else(|| {
+        Failure::usage(anyhow!("found the file {:?}, expected a name that ends in .csv or .json", name.to_string()))
+    })?;
     let bytes = std::fs::read(file).with_context(|| name.to_string()).map_err(Failure::usage)?;
     Ok((format, bytes))
 }

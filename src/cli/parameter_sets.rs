@@ -34,6 +34,10 @@ impl Choice {
         if self.changes.is_empty() {
             return Ok(set);
         }
+        let twice = |(at, (key, _)): (usize, &(String, String))| self.changes[..at].iter().any(|(k, _)| k == key);
+        if let Some((_, (key, _))) = self.changes.iter().enumerate().find(|one| twice(*one)) {
+            return Err(Failure::usage(anyhow!("--set: found {key} twice, expected each parameter once")));
+        }
         set.with(&self.changes).map_err(|errors| refused("--set", &errors))
     }
 }

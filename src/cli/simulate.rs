@@ -52,7 +52,7 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "F", default_value_t = 0.0, allow_negative_numbers = true)]
     noise_power: f64,
     /// Seed of the noise
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, allow_negative_numbers = true)]
     seed: u64,
     /// Length of the trace, s, at most 600 [default: 6, or the recorded command's length]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
@@ -149,23 +149,38 @@ enum Fault {
     Hysteresis,
 }
 
+impl Fault {
+    const ALL: [Self; 8] = [
+        Self::Kgm,
+        Self::Fdj,
+        Self::Clearance,
+        Self::Clogging,
+        Self::FeedbackBacklash,
+        Self::JackBacklash,
+        Self::CurrentOffset,
+        Self::Hysteresis,
+    ];
+
+    /// Its name on the command line.
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Kgm => "kgm",
+            Self::Fdj => "fdj",
+            Self::Clearance => "clearance",
+            Self::Clogging => "clogging",
+            Self::FeedbackBacklash => "feedback_backlash",
+            Self::JackBacklash => "jack_backlash",
+            Self::CurrentOffset => "current_offset",
+            Self::Hysteresis => "hysteresis",
+        }
+    }
+}
+
 fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
-    let fault = match name {
-        "kgm" => Fault::Kgm,
-        "fdj" => Fault::Fdj,
-        "clearance" => Fault::Clearance,
-        "clogging" => Fault::Clogging,
-        "feedback_backlash" => Fault::FeedbackBacklash,
-        "jack_backlash" => Fault::JackBacklash,
-        "current_offset" => Fault::CurrentOffset,
-        "hysteresis" => Fault::Hysteresis,
-        _ => {
-            let expected =
-                "kgm, fdj, clearance, clogging, feedback_backlash, jack_backlash, current_offset or hysteresis";
-            return Err(format!("found the fault {name:?}, expected {expected}"));
-        }
-    };
+    let fault = Fault::ALL.into_iter().find(|fault| fault.name() == name).ok_or_else(|| {
+        format!("found the fault {name:?}, expected one of {}", Fault::ALL.map(Fault::name).join(", "))
+    })?;
     let value = value.parse().map_err(|_| format!("{name}: found {value:?}, expected a number"))?;
     Ok((fault, value))
 }
@@ -191,7 +206,7 @@ fn recipe(args: &SimulateArgs) -> Result<Simulation, Failure> {
     let mut faults = Faults::default();
     for (i, &(fault, value)) in all.iter().enumerate() {
         if all[..i].iter().any(|&(other, _)| other == fault) {
-            return Err(Failure::usage(anyhow!("--fault: found {fault:?} twice, expected each fault once")));
+            return Err(Failure::usage(anyhow!("--fault: found {} twice, expected each fault once", fault.name())));
         }
         match fault {
             Fault::Kgm => faults.kgm = value,

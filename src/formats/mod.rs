@@ -13,7 +13,7 @@ mod number;
 use serde_json::{Map, Value};
 use thiserror::Error;
 
-use crate::models::trace::{Channel, Trace, check_samples};
+use crate::models::trace::{Channel, Trace, check_input};
 use columns::{Make, Purpose};
 use errors::{FormatErrors, clip, only};
 
@@ -122,7 +122,7 @@ pub fn read(format: Format, bytes: &[u8], options: &ReadOptions) -> Result<Trace
     read_for(format, bytes, options, Purpose::Measurement, |c| Trace::try_new(c.time_s, c.channels, c.others))
 }
 
-/// Reads one column of a file, and its times, to let it act on a model; no other column is needed.
+/// Reads one column of a file, and its times, to let it act on a model; no other column is needed, and two rows suffice.
 ///
 /// # Errors
 /// As [`read`].
@@ -134,7 +134,7 @@ pub fn read_input(
 ) -> Result<(Vec<f64>, Vec<f64>), Vec<FormatError>> {
     let (time_s, mut channels) = read_for(format, bytes, options, Purpose::Input(channel), |c| {
         let named = c.channels.iter().map(|(channel, values)| (channel.column(), values.as_slice()));
-        let errors = check_samples(&c.time_s, named);
+        let errors = check_input(&c.time_s, named);
         if errors.is_empty() { Ok((c.time_s, c.channels)) } else { Err(errors) }
     })?;
     let values = channels.remove(&channel).expect("a file without the column was refused");

@@ -2,13 +2,16 @@
 
 use std::sync::Arc;
 
-/// A slope between two samples above this, in m/s, makes a command jump: no jack follows it.
-pub const COMMAND_JUMP_M_PER_S: f64 = 0.5;
+/// The least slope of a command's jump, m/s: no jack follows it.
+const COMMAND_JUMP_M_PER_S: f64 = 0.5;
+/// How many times as steep as before and after it a jump is; a fast sine is not.
+const JUMP_RATIO: f64 = 10.0;
 /// How much earlier than a sample its time may be taken, s: times that were printed and read back are that uncertain.
 const TOLERANCE_S: f64 = 1e-9;
 
-/// A quantity over time, by its samples: straight between two of them, held where it jumps until the sample that ends
-/// the jump, and held before the first and after the last. Time counts from the first sample. Clones share the samples.
+/// A quantity over time, by its samples: straight between two of them, held before the first and after the last. Where it
+/// jumps (a slope above 0.5 m/s of a command, and ten times those before and after it) it is held until the sample that
+/// ends the jump. Time counts from the first sample. Clones share the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {
     time_s: Arc<[f64]>,
@@ -43,12 +46,22 @@ impl Signal {
         }
         let right = times_s.partition_point(|&t| t <= time_s + TOLERANCE_S).clamp(1, times_s.len() - 1);
         let (left_s, right_s) = (times_s[right - 1], times_s[right]);
-        let rise = values[right] - values[right - 1];
-        if rise.abs() > self.jump_per_s * (right_s - left_s) && time_s + TOLERANCE_S < right_s {
-            values[right - 1]
-        } else {
-            values[right - 1] + rise * ((time_s - left_s) / (right_s - left_s)).clamp(0.0, 1.0)
+        if time_s + TOLERANCE_S < right_s && self.jumps(right) {
+            return values[right - 1];
         }
+        let rise = values[right] - values[right - 1];
+        values[right - 1] + rise * ((time_s - left_s) / (right_s - left_s)).clamp(0.0, 1.0)
+    }
+
+    /// Whether it jumps between a sample and the one before it.
+    fn jumps(&self, right: usize) -> bool {
+        let slope = |right: usize| {
+            let values = self.values.get(right).zip(self.values.get(right.wrapping_sub(1)));
+            let rise = values.map_or(0.0, |(after, before)| after - before);
+            if rise == 0.0 { 0.0 } else { (rise / (self.time_s[right] - self.time_s[right - 1])).abs() }
+        };
+        let around = slope(right - 1).max(slope(right + 1));
+        slope(right) > self.jump_per_s.max(JUMP_RATIO * around)
     }
 
     /// The time from the first sample to the last, s.
@@ -77,6 +90,15 @@ mod tests {
         assert_eq!((signal.duration_s(), signal.range()), (1.0, (-0.1, 0.1)));
         assert!((Signal::new(&[0.0, 1e-3], &[0.0, 1.0], f64::INFINITY).at(5e-4) - 0.5).abs() < 1e-12);
         assert_eq!(Signal::new(&[3.0], &[7.0], 1.0).at(0.5), 7.0);
+    }
+
+    #[test]
+    fn a_fast_sine_does_not_jump_and_an_input_that_never_jumps_is_straight() {
+        let time_s: Vec<f64> = (0..=1000).map(|k| f64::from(k) / 1000.0).collect();
+        let sine = |t: f64| 0.2 * (std::f64::consts::TAU * 5.0 * t).sin();
+        let signal = Signal::command(&time_s, &time_s.iter().map(|&t| sine(t)).collect::<Vec<_>>());
+        // Half a step of 1 ms off at the steepest would be 3 mm; the bend of the sine between samples is 25 um.
+        assert!((0..10_000).map(|k| f64::from(k) * 1e-4).all(|t| (signal.at(t) - sine(t)).abs() < 3e-5));
     }
 
     #[test]

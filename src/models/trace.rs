@@ -115,10 +115,12 @@ pub enum TraceError {
         median: f64,
     },
     /// Too few samples.
-    #[error("found {found} samples, expected at least {SAMPLES_MIN}")]
+    #[error("found {found} samples, expected at least {min}")]
     TooShort {
         /// The number of samples.
         found: usize,
+        /// The fewest allowed.
+        min: usize,
     },
     /// Too long a time.
     #[error("found a trace of {found} s, expected at most {DURATION_MAX_S} s")]
@@ -210,7 +212,7 @@ impl Trace {
 #[must_use]
 pub fn check_samples<'a>(time_s: &[f64], columns: impl Iterator<Item = (&'a str, &'a [f64])>) -> Vec<TraceError> {
     let times = match time_s.len() {
-        found if found < SAMPLES_MIN => Some(TraceError::TooShort { found }),
+        found if found < SAMPLES_MIN => Some(TraceError::TooShort { found, min: SAMPLES_MIN }),
         found if found > SAMPLES_MAX => Some(TraceError::TooLong { found }),
         _ => check_times(time_s),
     };
@@ -218,13 +220,24 @@ pub fn check_samples<'a>(time_s: &[f64], columns: impl Iterator<Item = (&'a str,
     times.into_iter().chain(columns).collect()
 }
 
+/// What is wrong with samples that are to act on a model: as [`check_samples`], but two suffice, and a gap is a stretch without
+/// a bend.
+#[must_use]
+pub fn check_input<'a>(time_s: &[f64], columns: impl Iterator<Item = (&'a str, &'a [f64])>) -> Vec<TraceError> {
+    const MIN: usize = 2;
+    let times = match time_s.len() {
+        found if found < MIN => Some(TraceError::TooShort { found, min: MIN }),
+        found if found > SAMPLES_MAX => Some(TraceError::TooLong { found }),
+        _ => check_rising(time_s),
+    };
+    let columns = columns.filter_map(|(column, values)| check_column(column, values, time_s.len()));
+    times.into_iter().chain(columns).collect()
+}
+
 /// The first fault of a time axis: a value that is not finite, a step that is not positive, a gap, too long a time.
 fn check_times(time_s: &[f64]) -> Option<TraceError> {
-    if let Some(error) = check_column("time_s", time_s, time_s.len()) {
+    if let Some(error) = check_rising(time_s) {
         return Some(error);
-    }
-    if let Some(at) = time_s.windows(2).position(|pair| pair[1] <= pair[0]) {
-        return Some(TraceError::NotRising { row: at + 1, found: time_s[at + 1], previous: time_s[at] });
     }
     let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = steps.len() / 2;
@@ -234,6 +247,14 @@ fn check_times(time_s: &[f64]) -> Option<TraceError> {
     }
     let found = time_s[time_s.len() - 1] - time_s[0];
     (found > DURATION_MAX_S).then_some(TraceError::TooLate { found })
+}
+
+/// The first time that is not finite or does not rise.
+fn check_rising(time_s: &[f64]) -> Option<TraceError> {
+    check_column("time_s", time_s, time_s.len()).or_else(|| {
+        let at = time_s.windows(2).position(|pair| pair[1] <= pair[0])?;
+        Some(TraceError::NotRising { row: at + 1, found: time_s[at + 1], previous: time_s[at] })
+    })
 }
 
 /// The first fault of one column.

@@ -57,7 +57,7 @@ fn a_command_from_a_file_moves_the_jack_as_the_command_that_it_records_and_lasts
 #[test]
 fn validate_section_4_1_4_an_external_load_is_carried_by_the_pressure_whether_constant_or_from_a_file() {
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), "load.csv", "time_s,external_load_n", |_| 800.0);
+    std::fs::write(folder.path().join("load.csv"), "time_s,external_load_n\n0,800\n5,800\n").unwrap();
     let run = |more: &str| simulate(folder.path(), &format!("--command ramp:0.05 --duration 1 --out - {more}"));
     let (free, constant, recorded) = (run(""), run("--external-load 800"), run("--external-load file:load.csv"));
     let pressure = |output: &Output| *column(output, "load_pressure_pa").last().unwrap();

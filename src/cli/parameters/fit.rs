@@ -26,13 +26,14 @@ pub fn run(args: &FitArgs) -> Result<(), Failure> {
     let bar = Bar::new("fitting");
     let fitted = fit(&before, &bar).map_err(|error| failed(&args.set, error))?;
     bar.finish();
+    let changes = fitted.changes(&before, &missing);
+    let written = || load::rewritten(&args.set, &changes);
     if to_stdout {
-        return print(&fitted.set.to_toml());
+        return print(&written()?);
     }
     if let Some(out) = &args.out {
-        fs::write(out, fitted.set.to_toml()).with_context(|| out.display().to_string()).map_err(Failure::work)?;
+        fs::write(out, written()?).with_context(|| out.display().to_string()).map_err(Failure::work)?;
     }
-    let changes = fitted.changes(&before, &missing);
     if args.json {
         let document = serde_json::json!({
             "name": fitted.set.name(),
@@ -65,6 +66,8 @@ fn told(fitted: &Fitted, changes: &[Change], out: Option<&Path>) -> String {
             Origin::Fitted => "fitted",
             Origin::Measured => "measured",
             Origin::Kept => "kept",
+            Origin::BuiltIn => "built-in set's",
+            Origin::BuiltInScaled => "built-in set's, by the jack's area",
         };
         let before = change.old.map_or_else(|| "-".into(), short);
         let (name, now, unit) = (&change.name, short(change.new), change.unit);

@@ -2,14 +2,17 @@
 
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
+use toml_edit::{DocumentMut, Item, Table, value};
 
+use crate::characterisation::report::{Change, flow_power};
 use crate::cli::Failure;
 use crate::cli::parameter_sets::{is_built_in, read, refused};
 use crate::models::checks::ParamsError;
 use crate::models::parameters::ParameterSet;
 
-/// A set that may lack what belongs to the monitoring model alone: what is missing is the built-in set's, and named.
+/// A set that may lack what belongs to the monitoring model alone: what is missing is the built-in set's, what is a flow of it by
+/// the jack's area, and named.
 pub fn for_fit(name_or_file: &Path) -> Result<(ParameterSet, Vec<String>), Failure> {
     if is_built_in(name_or_file) {
         return Ok((ParameterSet::reference(), Vec::new()));
@@ -26,17 +29,51 @@ pub fn for_fit(name_or_file: &Path) -> Result<(ParameterSet, Vec<String>), Failu
     if !others.is_empty() {
         return Err(refused(&name, &others));
     }
-    let built_in = ParameterSet::reference().to_json();
+    let reference = ParameterSet::reference();
+    let built_in = reference.to_json();
     let mut table: toml::Table = text.parse().with_context(|| name.clone()).map_err(Failure::usage)?;
+    let area_m2 = table.get("jack").and_then(|jack| jack.get("area_m2")).and_then(toml::Value::as_float);
+    let scale = area_m2.map_or(1.0, |area_m2| area_m2 / reference.shared().jack.area_m2);
     let mut names = Vec::new();
     for error in missing {
         let value = built_in.pointer(&error.pointer()).and_then(serde_json::Value::as_f64);
         if let (ParamsError::Missing { name, .. }, Some(value)) = (error, value) {
-            insert(&mut table, &name, value);
+            insert(&mut table, &name, value * scale.powi(flow_power(&name)));
             names.push(name);
         }
     }
     ParameterSet::parse(&table.to_string()).map(|set| (set, names)).map_err(|errors| refused(&name, &errors))
+}
+
+/// The text of a set with other values of the monitoring model's parameters; everything else stays as it was written, with its
+/// remarks.
+pub fn rewritten(name_or_file: &Path, changes: &[Change]) -> Result<String, Failure> {
+    let text = if is_built_in(name_or_file) { ParameterSet::reference().to_toml() } else { read(name_or_file)? };
+    let name = name_or_file.display();
+    let mut document: DocumentMut = text.parse().with_context(|| name.to_string()).map_err(Failure::usage)?;
+    for Change { name, new, .. } in changes {
+        let (section, key) = name.rsplit_once('.').unwrap_or(("", name));
+        let mut table = document.as_table_mut();
+        for part in section.split('.') {
+            let inner = table.entry(part).or_insert_with(|| {
+                let mut inner = Table::new();
+                inner.set_implicit(true);
+                Item::Table(inner)
+            });
+            let Some(inner) = inner.as_table_mut() else { return Err(inline_table(&name_or_file.display())) };
+            table = inner;
+        }
+        let remark = table.get(key).and_then(Item::as_value).map(|value| value.decor().clone());
+        table[key] = value(*new);
+        if let (Some(value), Some(remark)) = (table[key].as_value_mut(), remark) {
+            *value.decor_mut() = remark;
+        }
+    }
+    Ok(document.to_string())
+}
+
+fn inline_table(file: &impl std::fmt::Display) -> Failure {
+    Failure::usage(anyhow!("{file}: found a section in braces, expected [sections], to write the fitted values into"))
 }
 
 /// Puts a number at a path of names, making the tables on the way.
@@ -58,6 +95,7 @@ mod tests {
     use std::path::PathBuf;
 
     use super::*;
+    use crate::characterisation::report::Origin;
     use crate::cli::parameter_sets::load;
 
     fn file(text: &str) -> (tempfile::TempDir, PathBuf) {
@@ -83,6 +121,33 @@ mod tests {
         assert!(missing.len() > 20 && missing.iter().all(|name| name.starts_with("monitoring.")), "{missing:?}");
         let refused = error(load(&path).unwrap_err());
         assert!(refused.contains("monitoring.fluid.spool_saturation_m: missing"), "{refused}");
+    }
+
+    #[test]
+    fn a_file_is_rewritten_with_its_remarks_and_without_a_section_it_gets_one() {
+        let whole = format!("# mine\n{}", ParameterSet::reference().to_toml());
+        let change = |name: &str, new| Change { name: name.into(), unit: "", old: None, new, origin: Origin::Fitted };
+        let changes =
+            [change("monitoring.fluid.spool_saturation_m", 41e-6), change("monitoring.bias.current_ratio", 1.5)];
+        let (_folder, path) = file(&whole);
+        let text = rewritten(&path, &changes).unwrap();
+        assert_eq!(text.matches('#').count(), whole.matches('#').count());
+        let set = ParameterSet::parse(&text).unwrap();
+        assert_eq!(set.monitoring_model().fluid.spool_saturation_m, 41e-6);
+        assert_eq!(set.monitoring_model().bias.current_ratio, 1.5);
+        assert_eq!(set.reference_model(), ParameterSet::reference().reference_model());
+        let (_folder, bare) = file(&whole[..whole.find("[monitoring.first_stage]").unwrap()]);
+        let text = rewritten(&bare, &changes).unwrap();
+        assert!(text.contains("[monitoring.fluid]") && text.starts_with("# mine"), "{text}");
+    }
+
+    #[test]
+    fn a_missing_flow_is_the_built_in_set_s_by_the_jack_s_area() {
+        let whole = ParameterSet::reference().to_toml().replace("area_m2 = 8.0e-4", "area_m2 = 4.0e-4");
+        let (_folder, path) = file(&whole[..whole.find("[monitoring.first_stage]").unwrap()]);
+        let fluid = for_fit(&path).unwrap().0.monitoring_model().fluid;
+        assert!((fluid.flow_reference_m3_per_s / 2.25e-6 - 1.0).abs() < 1e-12);
+        assert!((fluid.lag_flow_slope_s_per_m3 / 3.33334e5 - 1.0).abs() < 1e-12);
     }
 
     #[test]

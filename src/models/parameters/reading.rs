@@ -126,6 +126,10 @@ pub(super) fn values(mut tree: Tree) -> Result<Values, Vec<ParamsError>> {
 pub(super) fn unknown(name: &str) -> ParamsError {
     let (section, key) = name.rsplit_once('.').unwrap_or(("", name));
     let tree = &BUILT_IN.tree;
+    if let Some(Tree::Table(_)) = tree.at(name) {
+        let expected = format!("one of its parameters, as {name}.NAME");
+        return ParamsError::Unreadable { name: name.into(), found: "a section".into(), expected };
+    }
     let inside = if section.is_empty() { Some(tree) } else { tree.at(section) };
     let names: Vec<&str> = match inside {
         Some(Tree::Table(entries)) => {

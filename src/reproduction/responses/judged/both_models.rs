@@ -8,6 +8,9 @@ use crate::reproduction::responses::{
     MONITORING, OVER_FDJ, OVER_KGM, QUANTITIES, RAMP, REFERENCE, Responses, SINE, STEADY_S, STEP,
 };
 
+/// The swing of a steady current, as a part of it, that can be seen in a plot (chosen).
+const OSCILLATION_PART: f64 = 0.005;
+
 /// Section 5.3.
 pub fn alike(responses: &Responses) -> [Claim; 2] {
     let far = QUANTITIES.each_ref().map(|quantity| {
@@ -52,8 +55,10 @@ pub fn beside(responses: &Responses) -> [Claim; 3] {
     let [high, low] = both(STEP, OVER_FDJ).map(|family| steady_pressure_kpa(&family, STEP));
     let far_percent: [f64; 5] = std::array::from_fn(|at| (low[at] / high[at] - 1.0) * 100.0);
     let swing_ma = |trace: &Trace| swing(trace, Channel::ServovalveCurrent, STEADY_S[RAMP]) * 1e3;
-    let [high, low] = both(RAMP, OVER_FDJ).map(|family| over(&family, swing_ma));
-    let visible = high.map(|swing_ma| swing_ma > 0.1 * high[4]);
+    let on_ramp = both(RAMP, OVER_FDJ);
+    let steady_ma = over(&on_ramp[0], current_ma);
+    let [high, low] = on_ramp.map(|family| over(&family, swing_ma));
+    let visible: [bool; 5] = std::array::from_fn(|at| high[at] > OSCILLATION_PART * steady_ma[at]);
     [
         Claim {
             section: "7.2",
