@@ -89,7 +89,7 @@ fn bad_usage_is_refused_in_one_line_that_names_the_field() {
     let simulate = |more: &[&str]| elevon(folder.path(), &[&SIMULATE[..5], more].concat());
     assert_refused(&simulate(&["--kgm", "1.5", "--out", "x.csv"]), &["kgm", "found 1.5", "expected 0 to 1"]);
     assert_refused(&simulate(&["--fdj-n", "-5", "--out", "x.csv"]), &["fdj_n", "found -5", "expected 200 to 2000 N"]);
-    assert_refused(&simulate(&["--fault", "rust=1", "--out", "x.csv"]), &["rust", "expected kgm, fdj"]);
+    assert_refused(&simulate(&["--fault", "rust=1", "--out", "x.csv"]), &["rust", "expected one of kgm, fdj"]);
     assert_refused(&simulate(&["--duration", "inf", "--out", "x.csv"]), &["duration_s", "found inf"]);
     assert_refused(&simulate(&["--out", "x.txt"]), &["x.txt", ".csv or .json"]);
     assert_refused(&elevon(folder.path(), &["simulate", "--model", "reference"]), &["--command"]);

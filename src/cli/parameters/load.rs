@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, anyhow};
-use toml_edit::{DocumentMut, Item, Table, value};
+use toml_edit::{DocumentMut, Item, Table, Value};
 
 use crate::characterisation::report::{Change, flow_power};
 use crate::cli::Failure;
@@ -64,12 +64,17 @@ pub fn rewritten(name_or_file: &Path, changes: &[Change]) -> Result<String, Fail
             table = inner;
         }
         let remark = table.get(key).and_then(Item::as_value).map(|value| value.decor().clone());
-        table[key] = value(*new);
+        table[key] = Item::Value(number(*new));
         if let (Some(value), Some(remark)) = (table[key].as_value_mut(), remark) {
             *value.decor_mut() = remark;
         }
     }
     Ok(document.to_string())
+}
+
+/// A number as a person writes it: with an exponent when it is very small or large.
+fn number(value: f64) -> Value {
+    format!("{value:?}").parse().expect("a finite number is a TOML value")
 }
 
 fn inline_table(file: &impl std::fmt::Display) -> Failure {
