@@ -102,6 +102,23 @@ fn the_two_models_never_import_each_other() {
 }
 
 #[test]
+fn every_source_file_that_a_document_names_exists() {
+    let documents = fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let mut named = 0;
+    for document in documents.filter(|path| path.extension().is_some_and(|extension| extension == "md")) {
+        let text = fs::read_to_string(&document).unwrap();
+        let quoted = text.split('`').skip(1).step_by(2);
+        for file in
+            quoted.filter(|quoted| quoted.starts_with("src/") && quoted.ends_with(".rs") && !quoted.contains('{'))
+        {
+            assert!(root().join(file).is_file(), "{}: {file} does not exist", document.display());
+            named += 1;
+        }
+    }
+    assert!(named > 40, "only {named} were found");
+}
+
+#[test]
 fn every_link_of_the_documents_leads_somewhere() {
     let mut documents = vec![root().join("README.md")];
     documents.extend(fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path()));
