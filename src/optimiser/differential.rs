@@ -2,6 +2,7 @@
 
 use rand::{Rng, RngExt};
 
+use super::frame::Frame;
 use super::{Best, Bounds, Candidate, Search, StopReason, key};
 use crate::numeric::rng::Seed;
 
@@ -13,15 +14,10 @@ const CROSSOVER: f64 = 0.9;
 /// A differential evolution under way.
 #[derive(Debug)]
 pub struct Differential {
-    bounds: Bounds,
-    seed: Seed,
-    population: usize,
-    generations: usize,
-    generation: usize,
+    frame: Frame,
     members: Vec<Candidate>,
     costs: Vec<f64>,
     asked: Vec<Candidate>,
-    best: Best,
 }
 
 impl Differential {
@@ -31,23 +27,13 @@ impl Differential {
     /// When the population is below 4: a mutant is made of three members beside its own.
     #[must_use]
     pub fn new(bounds: &Bounds, population: usize, generations: usize, seed: Seed) -> Self {
-        assert!(population >= 4, "a population of {population} is too small to take differences in");
-        Self {
-            bounds: bounds.clone(),
-            seed,
-            population,
-            generations,
-            generation: 0,
-            members: Vec::new(),
-            costs: Vec::new(),
-            asked: Vec::new(),
-            best: Best::unknown(bounds.at(|_| 0.5)),
-        }
+        let frame = Frame::new(bounds, population, 4, generations, seed);
+        Self { frame, members: Vec::new(), costs: Vec::new(), asked: Vec::new() }
     }
 
     /// A rival of one member: a third, displaced by the difference of two others, crossed with the member.
     fn rival(&self, own: usize, rng: &mut impl Rng) -> Candidate {
-        let [base, plus, minus] = others(own, self.population, rng);
+        let [base, plus, minus] = others(own, self.frame.population, rng);
         let member = &self.members[own];
         // One variable at least is the mutant's.
         let sure = rng.random_range(0..member.len());
@@ -57,7 +43,7 @@ impl Differential {
                 if rng.random::<f64>() < CROSSOVER || i == sure { mutant } else { member[i] }
             })
             .collect();
-        self.bounds.clip(rival)
+        self.frame.bounds.clip(rival)
     }
 }
 
@@ -78,18 +64,17 @@ fn others(own: usize, population: usize, rng: &mut impl Rng) -> [usize; 3] {
 impl Search for Differential {
     fn ask(&mut self) -> &[Candidate] {
         self.asked = if self.members.is_empty() {
-            self.bounds.random(self.population, self.seed)
+            self.frame.first()
         } else {
-            let mut rng = self.seed.stream("differences", self.generation as u64);
-            (0..self.population).map(|own| self.rival(own, &mut rng)).collect()
+            let mut rng = self.frame.stream("differences");
+            (0..self.frame.population).map(|own| self.rival(own, &mut rng)).collect()
         };
         &self.asked
     }
 
     fn tell(&mut self, costs: &[f64]) {
-        assert_eq!(costs.len(), self.asked.len(), "one cost for each candidate asked");
         let asked = std::mem::take(&mut self.asked);
-        self.best.improve(&asked, costs);
+        self.frame.tell(&asked, costs);
         if self.members.is_empty() {
             (self.members, self.costs) = (asked, costs.to_vec());
         } else {
@@ -99,15 +84,14 @@ impl Search for Differential {
                 }
             }
         }
-        self.generation += 1;
     }
 
     fn stop(&self) -> Option<StopReason> {
-        (self.generation > self.generations).then_some(StopReason::BudgetUsed)
+        self.frame.stop()
     }
 
     fn best(&self) -> &Best {
-        &self.best
+        &self.frame.best
     }
 }
 

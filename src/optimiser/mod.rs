@@ -5,6 +5,7 @@
 
 pub mod bounds;
 pub mod differential;
+mod frame;
 #[cfg(test)]
 mod functions;
 pub mod genetic;

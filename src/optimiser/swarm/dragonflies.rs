@@ -4,6 +4,7 @@
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
 
+use super::super::frame::Frame;
 use super::super::{Best, Bounds, Candidate, Search, StopReason, ranking};
 use crate::numeric::rng::Seed;
 
@@ -25,18 +26,13 @@ const LEVY_SCALE: f64 = 0.01;
 /// A swarm of dragonflies under way. Places and steps are kept in parts of the intervals.
 #[derive(Debug)]
 pub struct Dragonflies {
-    bounds: Bounds,
-    seed: Seed,
-    population: usize,
-    generations: usize,
-    generation: usize,
+    frame: Frame,
     places: Vec<Vec<f64>>,
     steps: Vec<Vec<f64>>,
     asked: Vec<Candidate>,
     /// In parts of the intervals; empty before the first costs.
     food: Vec<f64>,
     enemy: Vec<f64>,
-    best: Best,
 }
 
 impl Dragonflies {
@@ -46,34 +42,23 @@ impl Dragonflies {
     /// When there are not two dragonflies.
     #[must_use]
     pub fn new(bounds: &Bounds, population: usize, generations: usize, seed: Seed) -> Self {
-        assert!(population >= 2, "a swarm of {population} has no neighbours");
-        Self {
-            bounds: bounds.clone(),
-            seed,
-            population,
-            generations,
-            generation: 0,
-            places: Vec::new(),
-            steps: Vec::new(),
-            asked: Vec::new(),
-            food: Vec::new(),
-            enemy: Vec::new(),
-            best: Best::unknown(bounds.at(|_| 0.5)),
-        }
+        let frame = Frame::new(bounds, population, 2, generations, seed);
+        let (places, steps, asked) = (Vec::new(), Vec::new(), Vec::new());
+        Self { frame, places, steps, asked, food: Vec::new(), enemy: Vec::new() }
     }
 
     fn fly(&mut self) {
-        let progress = self.generation as f64 / self.generations.max(1) as f64;
-        let mut rng = self.seed.stream("flight", self.generation as u64);
+        let progress = self.frame.generation as f64 / self.frame.generations.max(1) as f64;
+        let mut rng = self.frame.stream("flight");
         let inertia = INERTIA.0 + (INERTIA.1 - INERTIA.0) * progress;
         let social = (SOCIAL * (1.0 - 2.0 * progress)).max(0.0);
         let radius = RADIUS.0 + RADIUS.1 * progress;
         let (places, steps) = (self.places.clone(), self.steps.clone());
-        for own in 0..self.population {
+        for own in 0..self.frame.population {
             let [separation, alignment, cohesion] = [(); 3].map(|()| 2.0 * social * rng.random::<f64>());
             let food = FOOD * rng.random::<f64>();
             let near: Vec<usize> =
-                (0..self.population).filter(|&j| j != own && is_near(&places[j], &places[own], radius)).collect();
+                (0..self.frame.population).filter(|&j| j != own && is_near(&places[j], &places[own], radius)).collect();
             let food_is_near = is_near(&self.food, &places[own], radius);
             let place = &places[own];
             for i in 0..place.len() {
@@ -115,35 +100,33 @@ fn levy(rng: &mut impl Rng) -> f64 {
 impl Search for Dragonflies {
     fn ask(&mut self) -> &[Candidate] {
         if self.places.is_empty() {
-            let mut rng = self.seed.stream("creation", 0);
-            let variables = self.bounds.variables();
-            self.places = (0..self.population).map(|_| (0..variables).map(|_| rng.random()).collect()).collect();
-            self.steps = vec![vec![0.0; variables]; self.population];
+            let mut rng = self.frame.stream("creation");
+            let variables = self.frame.bounds.variables();
+            self.places = (0..self.frame.population).map(|_| (0..variables).map(|_| rng.random()).collect()).collect();
+            self.steps = vec![vec![0.0; variables]; self.frame.population];
         } else {
             self.fly();
         }
-        self.asked = self.places.iter().map(|place| self.bounds.at(|i| place[i])).collect();
+        self.asked = self.places.iter().map(|place| self.frame.bounds.at(|i| place[i])).collect();
         &self.asked
     }
 
     fn tell(&mut self, costs: &[f64]) {
-        assert_eq!(costs.len(), self.asked.len(), "one cost for each candidate asked");
-        let before = self.best.cost;
-        self.best.improve(&self.asked, costs);
+        let before = self.frame.best.cost;
+        self.frame.tell(&self.asked, costs);
         let order = ranking(costs);
-        if self.food.is_empty() || self.best.cost < before {
+        if self.food.is_empty() || self.frame.best.cost < before {
             self.food.clone_from(&self.places[order[0]]);
         }
         self.enemy.clone_from(&self.places[order[order.len() - 1]]);
-        self.generation += 1;
     }
 
     fn stop(&self) -> Option<StopReason> {
-        (self.generation > self.generations).then_some(StopReason::BudgetUsed)
+        self.frame.stop()
     }
 
     fn best(&self) -> &Best {
-        &self.best
+        &self.frame.best
     }
 }
 

@@ -3,6 +3,7 @@
 
 use rand::RngExt;
 
+use super::super::frame::Frame;
 use super::super::{Best, Bounds, Candidate, Search, StopReason, key};
 use crate::numeric::rng::Seed;
 
@@ -15,17 +16,12 @@ const VELOCITY_MAX: f64 = 0.5;
 /// A particle swarm under way.
 #[derive(Debug)]
 pub struct Particles {
-    bounds: Bounds,
-    seed: Seed,
-    population: usize,
-    generations: usize,
-    generation: usize,
+    frame: Frame,
     /// Where the particles are; what is asked.
     places: Vec<Candidate>,
     velocities: Vec<Vec<f64>>,
     /// The best that each particle has seen.
     own: Vec<Best>,
-    best: Best,
 }
 
 impl Particles {
@@ -35,33 +31,24 @@ impl Particles {
     /// When there is no particle.
     #[must_use]
     pub fn new(bounds: &Bounds, population: usize, generations: usize, seed: Seed) -> Self {
-        assert!(population >= 1, "a swarm has a particle");
-        Self {
-            bounds: bounds.clone(),
-            seed,
-            population,
-            generations,
-            generation: 0,
-            places: Vec::new(),
-            velocities: Vec::new(),
-            own: Vec::new(),
-            best: Best::unknown(bounds.at(|_| 0.5)),
-        }
+        let frame = Frame::new(bounds, population, 1, generations, seed);
+        Self { frame, places: Vec::new(), velocities: Vec::new(), own: Vec::new() }
     }
 
     fn move_on(&mut self) {
-        let mut rng = self.seed.stream("attraction", self.generation as u64);
+        let mut rng = self.frame.stream("attraction");
+        let Frame { bounds, best, .. } = &self.frame;
         for ((place, velocity), own) in self.places.iter_mut().zip(&mut self.velocities).zip(&self.own) {
             for i in 0..place.len() {
                 let (to_own, to_all): (f64, f64) = (rng.random(), rng.random());
                 let pulled = INERTIA * velocity[i]
                     + ATTRACTION * to_own * (own.candidate[i] - place[i])
-                    + ATTRACTION * to_all * (self.best.candidate[i] - place[i]);
-                let most = VELOCITY_MAX * self.bounds.width(i);
+                    + ATTRACTION * to_all * (best.candidate[i] - place[i]);
+                let most = VELOCITY_MAX * bounds.width(i);
                 velocity[i] = pulled.clamp(-most, most);
             }
             let moved: Candidate = place.iter().zip(&*velocity).map(|(x, v)| x + v).collect();
-            let held = self.bounds.clip(moved.clone());
+            let held = bounds.clip(moved.clone());
             // A particle that met a bound stands still there.
             for i in 0..held.len() {
                 if held[i] != moved[i] {
@@ -76,8 +63,8 @@ impl Particles {
 impl Search for Particles {
     fn ask(&mut self) -> &[Candidate] {
         if self.places.is_empty() {
-            self.places = self.bounds.random(self.population, self.seed);
-            self.velocities = vec![vec![0.0; self.bounds.variables()]; self.population];
+            self.places = self.frame.first();
+            self.velocities = vec![vec![0.0; self.frame.bounds.variables()]; self.places.len()];
             self.own = self.places.iter().map(|place| Best::unknown(place.clone())).collect();
         } else {
             self.move_on();
@@ -86,22 +73,20 @@ impl Search for Particles {
     }
 
     fn tell(&mut self, costs: &[f64]) {
-        assert_eq!(costs.len(), self.places.len(), "one cost for each candidate asked");
+        self.frame.tell(&self.places, costs);
         for ((own, place), &cost) in self.own.iter_mut().zip(&self.places).zip(costs) {
             if key(cost) < own.cost {
                 *own = Best { candidate: place.clone(), cost };
             }
         }
-        self.best.improve(&self.places, costs);
-        self.generation += 1;
     }
 
     fn stop(&self) -> Option<StopReason> {
-        (self.generation > self.generations).then_some(StopReason::BudgetUsed)
+        self.frame.stop()
     }
 
     fn best(&self) -> &Best {
-        &self.best
+        &self.frame.best
     }
 }
 

@@ -2,6 +2,7 @@
 
 use rand::RngExt;
 
+use super::super::frame::Frame;
 use super::super::{Best, Bounds, Candidate, Search, StopReason, ranking};
 use crate::numeric::rng::Seed;
 
@@ -13,16 +14,11 @@ const STRAY: f64 = 2.0;
 /// A pack under way.
 #[derive(Debug)]
 pub struct Wolves {
-    bounds: Bounds,
-    seed: Seed,
-    population: usize,
-    generations: usize,
-    generation: usize,
+    frame: Frame,
     /// Where the wolves are; what is asked.
     places: Vec<Candidate>,
     /// The three best so far, best first.
     leaders: Vec<Best>,
-    best: Best,
 }
 
 impl Wolves {
@@ -32,24 +28,16 @@ impl Wolves {
     /// When there are not three wolves to lead.
     #[must_use]
     pub fn new(bounds: &Bounds, population: usize, generations: usize, seed: Seed) -> Self {
-        assert!(population >= LEADERS, "a pack of {population} has no {LEADERS} leaders");
-        Self {
-            bounds: bounds.clone(),
-            seed,
-            population,
-            generations,
-            generation: 0,
-            places: Vec::new(),
-            leaders: Vec::new(),
-            best: Best::unknown(bounds.at(|_| 0.5)),
-        }
+        let frame = Frame::new(bounds, population, LEADERS, generations, seed);
+        Self { frame, places: Vec::new(), leaders: Vec::new() }
     }
 
     /// Every wolf goes to the mean of the places that the leaders call it to.
     fn hunt(&mut self) {
         // The last generation strays a little still: at 0 it would only repeat the leaders' mean.
-        let stray = STRAY * (1.0 - (self.generation - 1) as f64 / self.generations as f64);
-        let mut rng = self.seed.stream("hunt", self.generation as u64);
+        let Frame { bounds, generation, generations, .. } = &self.frame;
+        let stray = STRAY * (1.0 - (generation - 1) as f64 / *generations as f64);
+        let mut rng = self.frame.stream("hunt");
         for place in &mut self.places {
             let mut called = vec![0.0; place.len()];
             for leader in &self.leaders {
@@ -57,13 +45,13 @@ impl Wolves {
                     let a = stray * (2.0 * rng.random::<f64>() - 1.0);
                     let c = 2.0 * rng.random::<f64>();
                     // The paper's C X - X has a preference for the origin; here the origin is the bounds' middle.
-                    let middle = self.bounds.middle(i);
+                    let middle = bounds.middle(i);
                     let (prey, own) = (leader.candidate[i] - middle, place[i] - middle);
                     *sum += middle + prey - a * (c * prey - own).abs();
                 }
             }
             let count = self.leaders.len() as f64;
-            *place = self.bounds.clip(called.iter().map(|sum| sum / count).collect());
+            *place = bounds.clip(called.iter().map(|sum| sum / count).collect());
         }
     }
 }
@@ -71,7 +59,7 @@ impl Wolves {
 impl Search for Wolves {
     fn ask(&mut self) -> &[Candidate] {
         if self.places.is_empty() {
-            self.places = self.bounds.random(self.population, self.seed);
+            self.places = self.frame.first();
         } else {
             self.hunt();
         }
@@ -79,21 +67,19 @@ impl Search for Wolves {
     }
 
     fn tell(&mut self, costs: &[f64]) {
-        assert_eq!(costs.len(), self.places.len(), "one cost for each candidate asked");
+        self.frame.tell(&self.places, costs);
         let seen = self.places.iter().zip(costs).map(|(place, &cost)| Best { candidate: place.clone(), cost });
         let all: Vec<Best> = self.leaders.drain(..).chain(seen).collect();
         let order = ranking(&all.iter().map(|one| one.cost).collect::<Vec<_>>());
         self.leaders = order.into_iter().take(LEADERS).map(|i| all[i].clone()).collect();
-        self.best.improve(&self.places, costs);
-        self.generation += 1;
     }
 
     fn stop(&self) -> Option<StopReason> {
-        (self.generation > self.generations).then_some(StopReason::BudgetUsed)
+        self.frame.stop()
     }
 
     fn best(&self) -> &Best {
-        &self.best
+        &self.frame.best
     }
 }
 
