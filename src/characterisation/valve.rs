@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::models::parameters::ParameterSet;
 use crate::models::reference::passages::{self, Flows};
-use crate::models::reference::{oil, pipe};
+use crate::models::reference::pipe;
 
 /// The pressure beyond which no steady state is sought, Pa: a chamber without any way out has none.
 pub const PRESSURE_MAX_PA: f64 = 1e10;
@@ -58,14 +58,7 @@ impl Valve {
     /// The valve of a set's reference model.
     #[must_use]
     pub fn new(set: &ParameterSet) -> Self {
-        let own = set.reference_model();
-        let mut fluid = own.fluid;
-        let oil::Properties { density_kg_per_m3, kinematic_viscosity_m2_per_s } = own.oil.properties(oil::Properties {
-            density_kg_per_m3: fluid.density_kg_per_m3,
-            kinematic_viscosity_m2_per_s: fluid.kinematic_viscosity_m2_per_s,
-        });
-        (fluid.density_kg_per_m3, fluid.kinematic_viscosity_m2_per_s) =
-            (density_kg_per_m3, kinematic_viscosity_m2_per_s);
+        let fluid = set.reference_model().fluid_at_temperature();
         Self {
             passages: passages::Block::new(&fluid),
             pipe: pipe::Block::new(&fluid),

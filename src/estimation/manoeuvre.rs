@@ -217,4 +217,21 @@ mod tests {
         let step = found("sequence:0.1@1", 3.0, 1000.0);
         assert!(step.current.is_none() && (step.pressure.unwrap().from_s - 2.09).abs() < 1e-9, "{step:?}");
     }
+
+    #[test]
+    fn resampling_returns_the_command_and_keeps_a_step_at_its_time_whenever_the_trace_begins() {
+        let (time_s, command_m) = sampled("diagnostic", 6.0, 1000.0);
+        let drive: Drive = "diagnostic".parse().unwrap();
+        let late: Vec<f64> = time_s.iter().map(|t| t + 100.0).collect();
+        for (time_s, end_s) in [(time_s, 5.11), (late, 105.11)] {
+            let fine = resample(&time_s, &command_m, 2.5e-4, end_s);
+            assert_eq!(fine.len(), 20_441);
+            for (step, value) in fine.iter().enumerate() {
+                let at_s = step as f64 * 2.5e-4;
+                let before_the_jump = (1.999..2.0).contains(&at_s);
+                let off = (value - drive.position_m(at_s, 6.0)).abs();
+                assert!(off < if before_the_jump { 1e-4 } else { 1e-12 }, "{off} at {at_s}");
+            }
+        }
+    }
 }

@@ -211,24 +211,26 @@ impl Trace {
 /// What is wrong with samples over a common time axis: their number, the times, a column's length or values.
 #[must_use]
 pub fn check_samples<'a>(time_s: &[f64], columns: impl Iterator<Item = (&'a str, &'a [f64])>) -> Vec<TraceError> {
-    let times = match time_s.len() {
-        found if found < SAMPLES_MIN => Some(TraceError::TooShort { found, min: SAMPLES_MIN }),
-        found if found > SAMPLES_MAX => Some(TraceError::TooLong { found }),
-        _ => check_times(time_s),
-    };
-    let columns = columns.filter_map(|(column, values)| check_column(column, values, time_s.len()));
-    times.into_iter().chain(columns).collect()
+    check_with(time_s, columns, SAMPLES_MIN, check_times)
 }
 
 /// What is wrong with samples that are to act on a model: as [`check_samples`], but two suffice, and a gap is a stretch without
 /// a bend.
 #[must_use]
 pub fn check_input<'a>(time_s: &[f64], columns: impl Iterator<Item = (&'a str, &'a [f64])>) -> Vec<TraceError> {
-    const MIN: usize = 2;
+    check_with(time_s, columns, 2, check_rising)
+}
+
+fn check_with<'a>(
+    time_s: &[f64],
+    columns: impl Iterator<Item = (&'a str, &'a [f64])>,
+    min: usize,
+    times: fn(&[f64]) -> Option<TraceError>,
+) -> Vec<TraceError> {
     let times = match time_s.len() {
-        found if found < MIN => Some(TraceError::TooShort { found, min: MIN }),
+        found if found < min => Some(TraceError::TooShort { found, min }),
         found if found > SAMPLES_MAX => Some(TraceError::TooLong { found }),
-        _ => check_rising(time_s),
+        _ => times(time_s),
     };
     let columns = columns.filter_map(|(column, values)| check_column(column, values, time_s.len()));
     times.into_iter().chain(columns).collect()

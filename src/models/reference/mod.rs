@@ -59,6 +59,15 @@ impl Params {
     }
 }
 
+impl Params {
+    /// The fluid with the oil's properties at its temperature.
+    #[must_use]
+    pub fn fluid_at_temperature(&self) -> passages::Params {
+        let oil::Properties { density_kg_per_m3, kinematic_viscosity_m2_per_s } = self.oil.properties(self.fluid.oil());
+        passages::Params { density_kg_per_m3, kinematic_viscosity_m2_per_s, ..self.fluid }
+    }
+}
+
 /// A reference model with its faults built in, ready to run.
 #[derive(Debug, Clone)]
 pub struct Model {
@@ -96,11 +105,8 @@ impl Model {
     /// The model with these faults.
     #[must_use]
     pub fn new(shared: &Shared, own: &Params, faults: &Faults) -> Self {
-        let mut fluid = own.fluid;
+        let mut fluid = own.fluid_at_temperature();
         fluid.clearance_extra_m += faults.clearance_m;
-        let oil::Properties { density_kg_per_m3, kinematic_viscosity_m2_per_s } = own.oil.properties(fluid.oil());
-        (fluid.density_kg_per_m3, fluid.kinematic_viscosity_m2_per_s) =
-            (density_kg_per_m3, kinematic_viscosity_m2_per_s);
         let mut torque_motor = own.torque_motor;
         torque_motor.hysteresis_a += faults.hysteresis_a;
         torque_motor.current_offset_a += faults.current_offset_a;
