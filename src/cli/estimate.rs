@@ -12,6 +12,7 @@ use super::parameter_sets::Choice;
 use super::progress::{Bar, Part};
 use super::{Failure, first_of, print, read_file, refused};
 use crate::estimation::method::{Choices, Method};
+use crate::estimation::request::{Objective, Requested};
 use crate::estimation::{Estimate, Settings, estimate};
 use crate::formats::{self, FormatError, ReadOptions};
 use crate::models::parameters::ParameterSet;
@@ -45,6 +46,13 @@ pub struct EstimateArgs {
     /// Seed of the search
     #[arg(long, value_name = "N", default_value_t = Settings::default().seed, allow_negative_numbers = true)]
     seed: u64,
+    /// What is minimised: auto (the features where they suffice, else the trace), features (the ramp's current and the
+    /// pressure after the step) or trace (every recorded channel over the whole trace)
+    #[arg(long, value_name = "NAME", default_value = Objective::Auto.name())]
+    objective: Objective,
+    /// The faults to estimate, with commas between them: kgm, fdj, clearance, clogging, feedback_backlash, current_offset
+    #[arg(long, value_name = "LIST", default_value = "kgm,fdj")]
+    faults: Requested,
     /// Other column names, as Cor:servovalve_current_ma,P12:load_pressure_pa
     #[arg(long, value_name = "MAP", default_value = "")]
     columns: String,
@@ -71,8 +79,8 @@ struct Report<'a> {
 pub fn run(args: &EstimateArgs) -> Result<(), Failure> {
     let columns = ReadOptions::parse_columns(&args.columns).map_err(|errors| bad_input(&errors))?;
     let options = ReadOptions { columns, sample_rate_hz: args.sample_rate_hz };
-    let EstimateArgs { method, ga, population, generations, seed, .. } = *args;
-    let settings = Settings { method, ga, population, generations, seed };
+    let EstimateArgs { method, ga, population, generations, seed, objective, faults, .. } = *args;
+    let settings = Settings { method, ga, population, generations, seed, objective, faults };
     let set = args.parameters.load()?;
     let bar = Bar::new("estimating");
     let parts = bar.parts(args.files.len());

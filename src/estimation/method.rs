@@ -58,7 +58,7 @@ impl Method {
 
     /// A search within bounds with a method's settings. The multi-start method takes as many evaluations as the others.
     pub(super) fn search(settings: &Settings, bounds: &Bounds) -> Box<dyn Search> {
-        let Settings { method, ga, population, generations, seed } = *settings;
+        let Settings { method, ga, population, generations, seed, .. } = *settings;
         let seed = Seed(seed);
         match method {
             Self::Ga => {

@@ -9,6 +9,7 @@ pub mod features;
 pub mod manoeuvre;
 pub mod method;
 mod plausibility;
+pub mod request;
 pub mod search;
 pub mod uncertainty;
 
@@ -26,6 +27,7 @@ use crate::numeric::watch::Watch;
 use evaluate::Evaluator;
 use method::{Choices, Method};
 use plausibility::{misfits, objections};
+use request::{Objective, Requested};
 
 /// Whether a trace determined the faults. The features objective determines both or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -69,11 +71,25 @@ pub struct Settings {
     pub generations: usize,
     /// Seed of every random draw.
     pub seed: u64,
+    /// What is minimised.
+    #[serde(default)]
+    pub objective: Objective,
+    /// The faults that are asked for.
+    #[serde(default)]
+    pub faults: Requested,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { method: Method::Ga, ga: Choices::THESIS, population: 40, generations: 10, seed: 1 }
+        Self {
+            method: Method::Ga,
+            ga: Choices::THESIS,
+            population: 40,
+            generations: 10,
+            seed: 1,
+            objective: Objective::Auto,
+            faults: Requested::KGM_AND_FDJ,
+        }
     }
 }
 

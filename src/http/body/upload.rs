@@ -97,6 +97,7 @@ impl UploadQuery {
             population: self.population.map_or(default.population, |value| value as usize),
             generations: self.generations.map_or(default.generations, |value| value as usize),
             seed: self.seed.unwrap_or(default.seed),
+            ..default
         }
     }
 
