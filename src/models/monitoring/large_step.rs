@@ -4,14 +4,15 @@
 //! motion, pressure and jack velocity together, linearly implicit in the flow.
 //! Signs: as in the semi-implicit step.
 //! Range: time steps up to 5e-4 s; the features stay within 1e-4 of those at 1e-5 s (tests/it/models/lanes.rs).
-//! Limits: the developed fluid at the set's supply; first order in time; a body that changes its direction rests for one
+//! Limits: the developed fluid; first order in time; a body that changes its direction rests for one
 //! step.
 
 use nalgebra::Matrix4;
 
 use super::fluid::{Block, developed};
+use super::wear::Wear;
 use super::{Candidate, Model, State};
-use crate::models::blocks::end_stop;
+use crate::models::blocks::{Input, end_stop};
 use crate::numeric::lane::Lane;
 
 /// The longest time step, s.
@@ -63,9 +64,15 @@ impl LargeStep {
     /// One time step, in signal order.
     #[inline(always)]
     pub fn step<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, position_command_m: f64) -> State<L> {
-        let (current_a, force_n) = self.model.drive_motor(c, s, position_command_m);
-        let (flapper_m, flapper_m_per_s, spool_m) = self.move_valve(s, force_n);
-        let (load_pa, jack_m_per_s) = self.press_and_move(c, s, spool_m);
+        self.step_worn(c, s, &Input::command(position_command_m))
+    }
+
+    /// One time step of a candidate with wear, under any input.
+    #[inline(always)]
+    pub fn step_worn<L: Lane, W: Wear<L>>(&self, c: &Candidate<L, W>, s: &State<L>, input: &Input) -> State<L> {
+        let (current_a, force_n) = self.model.drive_motor(c, s, input.position_command_m);
+        let (flapper_m, flapper_m_per_s, spool_m) = self.move_valve(c, s, force_n);
+        let (load_pa, jack_m_per_s) = self.press_and_move(c, s, spool_m, input);
         let jack_m = s.jack_position_m + jack_m_per_s * self.time_step_s;
         let (jack_m, jack_m_per_s) = end_stop::step(self.model.jack.position_max_m, jack_m, jack_m_per_s);
         State {
@@ -82,13 +89,14 @@ impl LargeStep {
     /// Flapper position and velocity and spool position: exact while the flapper is free; against its end stop it
     /// stands, and the spool moves at a constant speed.
     #[inline(always)]
-    fn move_valve<L: Lane>(&self, s: &State<L>, force_n: L) -> (L, L, L) {
+    fn move_valve<L: Lane, W: Wear<L>>(&self, c: &Candidate<L, W>, s: &State<L>, force_n: L) -> (L, L, L) {
         let free_m = self.linear(0, s, force_n);
         let stop_m = self.model.first_stage.flapper_position_max_m;
         let (flapper_m, flapper_m_per_s) = end_stop::step(stop_m, free_m, self.linear(1, s, force_n));
         let gain_per_step = self.model.second_stage.spool_speed_gain_per_s * self.time_step_s;
         let against_stop_m = s.spool_position_m + flapper_m * gain_per_step;
         let spool_m = free_m.same(stop_m).if_less(free_m.abs(), against_stop_m, self.linear(2, s, force_n));
+        let spool_m = c.wear.slowed(s.spool_position_m, spool_m);
         let spool_max_m = spool_m.same(self.model.second_stage.spool_position_max_m);
         (flapper_m, flapper_m_per_s, spool_m.clip(spool_max_m))
     }
@@ -107,9 +115,15 @@ impl LargeStep {
     /// Load pressure and jack velocity, solved together: the pressure falls with the flow while the flow grows with
     /// the pressure, and at this step neither may lag behind the other.
     #[inline(always)]
-    fn press_and_move<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, spool_m: L) -> (L, L) {
+    fn press_and_move<L: Lane, W: Wear<L>>(
+        &self,
+        c: &Candidate<L, W>,
+        s: &State<L>,
+        spool_m: L,
+        input: &Input,
+    ) -> (L, L) {
         let (jack, h) = (&self.model.jack, self.time_step_s);
-        let at = self.fluid.at_spool(spool_m, 1.0);
+        let at = self.fluid.at_spool(c.wear.metered(spool_m), input.supply_factor);
         let flow = s.jack_velocity_m_per_s * jack.area_m2;
         let magnitude = flow.abs();
         let weight = at.lag_s.same(h) / (at.lag_s * self.fluid.lag_factor(magnitude) + h);
@@ -119,8 +133,8 @@ impl LargeStep {
         let free_pa = kept_pa + slope * flow;
         let per_velocity_pa = slope * (2.0 * jack.area_m2);
         // Force at rest, force in motion, and the resistance that grows with the new velocity.
-        let resting_n = jack.driving_force_n(kept_pa, s.jack_position_m);
-        let driving_n = jack.driving_force_n(free_pa, s.jack_position_m);
+        let resting_n = jack.driving_force_n(kept_pa, s.jack_position_m) - input.external_load_n;
+        let driving_n = jack.driving_force_n(free_pa, s.jack_position_m) - input.external_load_n;
         let inertia = (per_velocity_pa * jack.area_m2 + jack.damping_n_s_per_m) * h + jack.mass_kg;
         let velocity = s.jack_velocity_m_per_s;
         let band = velocity.same(self.model.dead_band_m_per_s);

@@ -9,6 +9,7 @@
 pub mod first_stage;
 pub mod fluid;
 pub mod large_step;
+pub mod wear;
 
 use serde::{Deserialize, Serialize};
 
@@ -17,6 +18,7 @@ use super::blocks::{Input, Shared, controller, end_stop, jack, torque_motor};
 use super::checks::Checks;
 use crate::numeric::lane::Lane;
 use fluid::FluidModel;
+use wear::Wear;
 
 /// What the monitoring model has of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -30,6 +32,8 @@ pub struct Params {
     pub fluid: fluid::Params,
     /// The jack's friction.
     pub friction: Friction,
+    /// How the sleeve's wear acts.
+    pub wear: wear::Params,
     /// How far the reference model's features are from this model's.
     pub bias: Bias,
 }
@@ -73,6 +77,7 @@ impl Params {
         let stop_m = self.second_stage.spool_position_max_m;
         checks.within("monitoring.second_stage.spool_position_max_m", stop_m, 1e-6, 0.1, "m");
         self.fluid.check(checks);
+        self.wear.check(checks);
         let band = self.friction.velocity_dead_band_m_per_s;
         checks.within("monitoring.friction.velocity_dead_band_m_per_s", band, 1e-9, 1e-2, "m/s");
         checks.within("monitoring.bias.current_ratio", self.bias.current_ratio, 0.5, 2.0, "");
@@ -83,9 +88,10 @@ impl Params {
 
 /// The faults of one candidate, or of several.
 #[derive(Debug, Clone, Copy)]
-pub struct Candidate<L> {
+pub struct Candidate<L, W = ()> {
     demagnetisation: L,
     friction: Levels<L>,
+    wear: W,
 }
 
 /// Everything that survives a step.
@@ -160,18 +166,32 @@ impl Model {
     /// A candidate, or several: demagnetisation KGM and dynamic jack friction FDJ, N.
     #[inline(always)]
     pub fn candidate<L: Lane>(&self, kgm: L, fdj_n: L) -> Candidate<L> {
-        Candidate { demagnetisation: kgm, friction: self.jack.friction(fdj_n) }
+        self.worn_candidate(kgm, fdj_n, ())
+    }
+
+    /// A candidate, or several, with other faults beside these two.
+    #[inline(always)]
+    pub fn worn_candidate<L: Lane, W: Wear<L>>(&self, kgm: L, fdj_n: L, wear: W) -> Candidate<L, W> {
+        Candidate { demagnetisation: kgm, friction: self.jack.friction(fdj_n), wear }
     }
 
     /// One semi-implicit time step, in signal order.
     #[inline(always)]
-    pub fn step<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, input: &Input, time_step_s: f64) -> State<L> {
+    pub fn step<L: Lane, W: Wear<L>>(
+        &self,
+        c: &Candidate<L, W>,
+        s: &State<L>,
+        input: &Input,
+        time_step_s: f64,
+    ) -> State<L> {
         let (current_a, force_n) = self.drive_motor(c, s, input.position_command_m);
         let (flapper_m, flapper_m_per_s) = first_stage::step(&self.first_stage, s, force_n, time_step_s);
         let spool_m = s.spool_position_m + flapper_m * self.second_stage.spool_speed_gain_per_s * time_step_s;
+        let spool_m = c.wear.slowed(s.spool_position_m, spool_m);
         let spool_m = spool_m.clip(spool_m.same(self.second_stage.spool_position_max_m));
         let flow = s.jack_velocity_m_per_s * self.jack.area_m2;
-        let load_pa = self.fluid.step(s, spool_m, flow, input.supply_factor, time_step_s);
+        let metered_m = c.wear.metered(spool_m);
+        let load_pa = self.fluid.step(s, metered_m, flow, input.supply_factor, time_step_s);
         let (jack_m, jack_m_per_s) = self.move_jack(c, s, load_pa, input.external_load_n, time_step_s);
         State {
             servovalve_current_a: current_a,
@@ -186,17 +206,22 @@ impl Model {
 
     /// The current in the torque motor, A, and its force on the flapper, N.
     #[inline(always)]
-    fn drive_motor<L: Lane>(&self, c: &Candidate<L>, s: &State<L>, position_command_m: f64) -> (L, L) {
+    fn drive_motor<L: Lane, W: Wear<L>>(&self, c: &Candidate<L, W>, s: &State<L>, position_command_m: f64) -> (L, L) {
         let asked_a = controller::proportional(&self.controller, position_command_m, s.jack_position_m);
-        let current_a = torque_motor::current(&self.torque_motor, asked_a, 0.0);
-        (current_a, torque_motor::force(&self.torque_motor, current_a, c.demagnetisation))
+        let current_a = torque_motor::current(&self.torque_motor, c.wear.offset(asked_a), 0.0);
+        let force_n = torque_motor::force(&self.torque_motor, current_a, c.demagnetisation);
+        match c.wear.slack(s.spool_position_m) {
+            None => (current_a, force_n),
+            // What the feedback spring does not feel of the spool is missing in its force.
+            Some(slack_m) => (current_a, force_n + slack_m * self.first_stage.feedback_spring_stiffness_n_per_m),
+        }
     }
 
     /// The jack's position and velocity after a step under Karnopp's friction.
     #[inline(always)]
-    fn move_jack<L: Lane>(
+    fn move_jack<L: Lane, W: Wear<L>>(
         &self,
-        c: &Candidate<L>,
+        c: &Candidate<L, W>,
         s: &State<L>,
         load_pa: L,
         external_load_n: f64,
@@ -216,7 +241,7 @@ impl Model {
     /// Zero where the jack is stuck (inside the dead band, the active force within the static friction), elsewhere
     /// the velocity given.
     #[inline(always)]
-    fn hold<L: Lane>(&self, c: &Candidate<L>, velocity: L, active_n: L, moved: L) -> L {
+    fn hold<L: Lane, W: Wear<L>>(&self, c: &Candidate<L, W>, velocity: L, active_n: L, moved: L) -> L {
         let free = c.friction.static_n.if_less(active_n.abs(), moved, moved.same(0.0));
         velocity.same(self.dead_band_m_per_s).if_less(velocity.abs(), moved, free)
     }
