@@ -11,6 +11,7 @@ pub mod method;
 mod plausibility;
 pub mod request;
 pub mod search;
+pub mod trace;
 pub mod uncertainty;
 
 use std::collections::BTreeMap;
@@ -21,7 +22,7 @@ use thiserror::Error;
 use utoipa::ToSchema;
 
 use crate::models::parameters::ParameterSet;
-use crate::models::trace::Trace;
+use crate::models::trace::{Channel, Trace};
 use crate::numeric::watch::Watch;
 
 use evaluate::Evaluator;
@@ -158,6 +159,39 @@ pub fn estimate(
     watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
     settings.check()?;
+    if takes_trace(trace, settings) {
+        return trace::estimate(trace, set, settings, watch);
+    }
+    by_features(trace, set, settings, watch)
+}
+
+/// Whether the whole trace is fitted: where that is asked for, or where two features cannot do.
+fn takes_trace(trace: &Trace, settings: &Settings) -> bool {
+    let auto = || {
+        let recorded = |channel| trace.channel(channel).is_some();
+        let beyond = [Channel::SpoolPosition, Channel::ExternalLoad, Channel::SupplyPressure];
+        let lacks = !recorded(Channel::ServovalveCurrent) || !recorded(Channel::LoadPressure);
+        let manoeuvres = manoeuvre::find(trace.time_s(), trace.position_command_m());
+        settings.faults != Requested::KGM_AND_FDJ
+            || lacks
+            || beyond.into_iter().any(recorded)
+            || manoeuvres.current.is_none()
+            || manoeuvres.pressure.is_none()
+    };
+    match settings.objective {
+        Objective::Auto => auto(),
+        Objective::Features => false,
+        Objective::Trace => true,
+    }
+}
+
+/// Estimates demagnetisation and friction from the two features.
+fn by_features(
+    trace: &Trace,
+    set: &ParameterSet,
+    settings: &Settings,
+    watch: &dyn Watch,
+) -> Result<Estimate, EstimationError> {
     let measured = match features::measure(trace, &manoeuvre::find(trace.time_s(), trace.position_command_m())) {
         Ok(measured) => measured,
         Err(reasons) => return Ok(Estimate::inconclusive(set, settings, reasons)),

@@ -69,19 +69,45 @@ pub fn search(
         let features = evaluator.features(&proposals);
         features.iter().map(|modelled| objective(&measured.features, modelled, bias)).collect()
     };
+    let found = minimise(&bounds, POLISH, &costs, settings, watch)?;
+    let proposal = |candidate: &Candidate| Proposal { kgm: candidate[0], fdj_n: candidate[1] };
+    let (best, wide) = (&found.best, &found.wide);
+    let wide = Wide { proposal: proposal(&wide.candidate), cost: wide.cost, evaluations: found.wide_evaluations };
+    Ok(Found { proposal: proposal(&best.candidate), cost: best.cost, evaluations: found.evaluations, wide })
+}
+
+/// What a wide search and its polish found.
+pub(super) struct Minimum {
+    /// The best candidate.
+    pub best: Best,
+    /// The best before the polish.
+    pub wide: Best,
+    /// Model runs made until then.
+    pub wide_evaluations: u64,
+    /// Model runs made in all.
+    pub evaluations: u64,
+}
+
+/// A wide search by the method of the settings, then a local polish of its best.
+pub(super) fn minimise(
+    bounds: &Bounds,
+    polish: simplex::Settings,
+    costs: &impl Fn(&[Candidate]) -> Vec<f64>,
+    settings: &Settings,
+    watch: &dyn Watch,
+) -> Result<Minimum, EstimationError> {
     let rounds = settings.generations + 1;
     let mut evaluations = 0;
-    let mut wide = Method::search(settings, &bounds);
-    let first =
-        drive(wide.as_mut(), &costs, &mut evaluations, watch, |round| WIDE_PROGRESS * round as f64 / rounds as f64)?;
-    let proposal = |candidate: &Candidate| Proposal { kgm: candidate[0], fdj_n: candidate[1] };
-    let wide = Wide { proposal: proposal(&first.candidate), cost: first.cost, evaluations };
-    let mut simplex = Simplex::new(&bounds, &first.candidate, POLISH);
-    let polished = drive(&mut simplex, &costs, &mut evaluations, watch, |round| {
-        WIDE_PROGRESS + (1.0 - WIDE_PROGRESS) * round as f64 / POLISH.iterations as f64
+    let mut method = Method::search(settings, bounds);
+    let wide =
+        drive(method.as_mut(), costs, &mut evaluations, watch, |round| WIDE_PROGRESS * round as f64 / rounds as f64)?;
+    let wide_evaluations = evaluations;
+    let mut simplex = Simplex::new(bounds, &wide.candidate, polish);
+    let polished = drive(&mut simplex, costs, &mut evaluations, watch, |round| {
+        WIDE_PROGRESS + (1.0 - WIDE_PROGRESS) * round as f64 / polish.iterations as f64
     })?;
-    let best = if polished.cost < first.cost { polished } else { first };
-    Ok(Found { proposal: proposal(&best.candidate), cost: best.cost, evaluations, wide })
+    let best = if polished.cost < wide.cost { polished } else { wide.clone() };
+    Ok(Minimum { best, wide, wide_evaluations, evaluations })
 }
 
 /// Runs a search to its end.

@@ -8,6 +8,31 @@ pub trait Watch: Sync {
     fn cancelled(&self) -> bool;
 }
 
+/// A part of long work, from one fraction of it to another.
+pub struct Part<'a> {
+    whole: &'a dyn Watch,
+    from: f64,
+    to: f64,
+}
+
+impl<'a> Part<'a> {
+    /// The part between two fractions of the whole.
+    #[must_use]
+    pub fn new(whole: &'a dyn Watch, from: f64, to: f64) -> Self {
+        Self { whole, from, to }
+    }
+}
+
+impl Watch for Part<'_> {
+    fn progress(&self, fraction: f64) {
+        self.whole.progress(self.from + (self.to - self.from) * fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.whole.cancelled()
+    }
+}
+
 /// Nobody looks on.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unwatched;

@@ -43,6 +43,14 @@ pub struct State {
     pub measured_m: f64,
 }
 
+impl State {
+    /// At rest at a position, m, where it is measured too.
+    #[must_use]
+    pub fn at_rest(position_m: f64) -> Self {
+        Self { position_m, velocity_m_per_s: 0.0, surface_m: position_m, measured_m: position_m }
+    }
+}
+
 /// The jack with its friction.
 #[derive(Debug, Clone, Copy)]
 pub struct Block {

@@ -139,13 +139,19 @@ impl Model {
     /// Everything at rest at zero, both chambers halfway between supply and return.
     #[must_use]
     pub fn start(&self) -> State {
+        self.start_at(0.0)
+    }
+
+    /// The same with the jack at a position, m.
+    #[must_use]
+    pub fn start_at(&self, jack_position_m: f64) -> State {
         State {
             controller: controller::State::default(),
             torque_motor: torque_motor::State::default(),
             first_stage: first_stage::State::default(),
             second_stage: second_stage::State::default(),
             pipe: pipe::State::at_rest(self.start_pressure_pa),
-            jack: jack::State::default(),
+            jack: jack::State::at_rest(jack_position_m),
             jack_flow_m3_per_s: 0.0,
         }
     }

@@ -89,6 +89,8 @@ pub struct Simulation {
     pub external_load_n: Option<Quantity>,
     /// Absolute supply pressure, Pa, 0 to twice the parameter set's; the parameter set's without it.
     pub supply_pressure_pa: Option<Quantity>,
+    /// Where the jack rests at the start, m.
+    pub start_position_m: f64,
     /// Power of the white noise on the current, mA² s; 5e-6 in the thesis, 0 for none. Reference model only.
     pub noise_power_ma2_s: f64,
     /// Seed of the noise.
@@ -160,6 +162,7 @@ impl Simulation {
             faults,
             external_load_n: None,
             supply_pressure_pa: None,
+            start_position_m: 0.0,
             noise_power_ma2_s: 0.0,
             seed: 1,
             duration_s,
@@ -193,6 +196,12 @@ impl Simulation {
         let recorded = if let Drive::Recorded(signal) = &self.command { signal.range() } else { (0.0, 0.0) };
         for (name, (low, high), (min, max), expected) in [
             ("command", recorded, (-POSITION_MAX_M, POSITION_MAX_M), "-10 to 10 m"),
+            (
+                "start_position_m",
+                (self.start_position_m, self.start_position_m),
+                (-POSITION_MAX_M, POSITION_MAX_M),
+                "-10 to 10 m",
+            ),
             ("external_load_n", range(self.external_load_n.as_ref()), (-LOAD_MAX_N, LOAD_MAX_N), "-1e6 to 1e6 N"),
             ("supply_pressure_pa", range(self.supply_pressure_pa.as_ref()), (0.0, f64::MAX), "0 Pa or more"),
         ] {
@@ -294,7 +303,7 @@ fn run<P: Plant>(
     // 1/dt is the whole number of steps in a second; k dt and k / that number are not the same double.
     let steps_per_s = (1.0 / plant.time_step_s()).round();
     let mut recorder = Recorder::new(recipe);
-    let mut state = plant.start();
+    let mut state = plant.start(recipe.start_position_m);
     let mut step: u64 = 0;
     while let Some(due) = recorder.next_step(steps_per_s) {
         loop {

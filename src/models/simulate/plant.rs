@@ -24,7 +24,7 @@ pub(super) trait Plant {
     const COLUMNS: &'static [&'static str];
 
     fn time_step_s(&self) -> f64;
-    fn start(&self) -> Self::State;
+    fn start(&self, jack_position_m: f64) -> Self::State;
     fn step(&self, state: &Self::State, input: &Input) -> Self::State;
     fn sample(state: &Self::State) -> Sample;
 }
@@ -79,8 +79,8 @@ impl<F: Four> Plant for ReferencePlant<F> {
     }
 
     #[inline(always)]
-    fn start(&self) -> Self::State {
-        self.model.start()
+    fn start(&self, jack_position_m: f64) -> Self::State {
+        self.model.start_at(jack_position_m)
     }
 
     #[inline(always)]
@@ -118,8 +118,8 @@ impl Plant for MonitoringPlant {
         MONITORING_TIME_STEP_S
     }
 
-    fn start(&self) -> Self::State {
-        monitoring::State::start((), 0.0)
+    fn start(&self, jack_position_m: f64) -> Self::State {
+        monitoring::State::start((), jack_position_m)
     }
 
     fn step(&self, state: &Self::State, input: &Input) -> Self::State {

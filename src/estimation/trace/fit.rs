@@ -1,0 +1,219 @@
+//! The fit of the corrected monitoring model to a trace: weighted least squares by Gauss and Newton, within the faults' ranges.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::observed::Observations;
+use super::runs::{Runs, Shown};
+use super::surface::{Surface, spacing};
+use crate::estimation::request::Fault;
+use crate::models::fault::Faults;
+
+/// The part of a channel's scale that the corrected model is not trusted in, bin by bin.
+const TRUST: f64 = 0.002;
+/// Rounds of the least-squares fit on one surface.
+const ROUNDS_MAX: usize = 12;
+/// A step of this part of the levels' spacing ends the rounds.
+const STEP_MIN: f64 = 1e-4;
+/// The part of the spacing over which the monitoring model's slopes are taken.
+const SLOPE_PART: f64 = 0.25;
+/// The time over which residuals are taken to be correlated, s.
+const BLOCK_S: f64 = 0.25;
+
+/// A fitted candidate with what is left of the trace.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// The candidate.
+    pub faults: Faults,
+    /// Standard deviations of the faults that vary, in their order, and their covariance's correlations.
+    pub covariance: DMatrix<f64>,
+    /// Observed minus modelled, by channel of the observations, bin by bin.
+    pub residuals: Vec<Vec<f64>>,
+    /// The weighted mean of the squared residuals.
+    pub cost: f64,
+}
+
+/// Weights of the squared residuals, by channel of the observations, bin by bin.
+#[must_use]
+pub fn weights(observations: &Observations, surface: Option<&Surface>, trust: f64) -> Vec<Vec<f64>> {
+    observations
+        .channels
+        .iter()
+        .map(|channel| {
+            let known = channel.noise.hypot(trust * channel.scale);
+            let spread = |bin: usize| surface.map_or(0.0, |surface| surface.spread[channel.place][bin]);
+            (0..observations.bins)
+                .map(|bin| if channel.informative[bin] { 1.0 / (known * known + spread(bin).powi(2)) } else { 0.0 })
+                .collect()
+        })
+        .collect()
+}
+
+/// Fits the faults that vary, from a start.
+#[must_use]
+pub fn fit(
+    start: &Faults,
+    faults: &[Fault],
+    runs: &Runs<'_>,
+    observations: &Observations,
+    surface: &Surface,
+) -> Option<Fitted> {
+    let weights = weights(observations, Some(surface), TRUST);
+    let mut at = *start;
+    for _ in 0..ROUNDS_MAX {
+        let local = Local::at(&at, faults, runs, observations, surface);
+        let (normal, gradient) = local.normal(&weights);
+        let step = solve_within(&normal, &gradient, &at, faults)?;
+        let mut largest: f64 = 0.0;
+        for (fault, step) in faults.iter().zip(step.iter()) {
+            let width = spacing(*fault, fault.of(&at));
+            // The surface holds near its levels only.
+            let step = step.clamp(-4.0 * width, 4.0 * width);
+            let (low, high) = fault.range();
+            let value = (fault.of(&at) + step).clamp(low, high);
+            largest = largest.max((value - fault.of(&at)).abs() / width);
+            *fault.of_mut(&mut at) = value;
+        }
+        if largest < STEP_MIN {
+            break;
+        }
+    }
+    let local = Local::at(&at, faults, runs, observations, surface);
+    let covariance = local.covariance(&weights, observations)?;
+    let cost = local.cost(&weights);
+    cost.is_finite().then_some(Fitted { faults: at, covariance, residuals: local.residuals, cost })
+}
+
+/// The step of least squares; a fault on its bound that would leave its range is held there.
+fn solve_within(normal: &DMatrix<f64>, gradient: &DVector<f64>, at: &Faults, faults: &[Fault]) -> Option<DVector<f64>> {
+    let mut free: Vec<usize> = (0..faults.len()).collect();
+    loop {
+        let part = normal.select_rows(&free).select_columns(&free);
+        let solved = part.lu().solve(&gradient.select_rows(&free))?;
+        let leaves = |place: usize| {
+            let (low, high) = faults[free[place]].range();
+            let value = faults[free[place]].of(at);
+            (value <= low && solved[place] < 0.0) || (value >= high && solved[place] > 0.0)
+        };
+        match (0..free.len()).find(|place| leaves(*place)) {
+            Some(place) => {
+                free.remove(place);
+                if free.is_empty() {
+                    return Some(DVector::zeros(faults.len()));
+                }
+            }
+            None => {
+                let mut step = DVector::zeros(faults.len());
+                for (place, fault) in free.iter().enumerate() {
+                    step[*fault] = solved[place];
+                }
+                return Some(step);
+            }
+        }
+    }
+}
+
+/// The corrected model about a candidate.
+struct Local {
+    /// By channel of the observations, bin by bin.
+    residuals: Vec<Vec<f64>>,
+    /// By fault, then as the residuals: what the model shows more per unit of the fault.
+    slopes: Vec<Vec<Vec<f64>>>,
+}
+
+impl Local {
+    fn at(at: &Faults, faults: &[Fault], runs: &Runs<'_>, observations: &Observations, surface: &Surface) -> Self {
+        let mut levels = vec![*at];
+        for fault in faults {
+            let (low, high) = fault.range();
+            let width = SLOPE_PART * spacing(*fault, fault.of(at));
+            for side in [-1.0, 1.0] {
+                let mut level = *at;
+                *fault.of_mut(&mut level) = (fault.of(at) + side * width).clamp(low, high);
+                levels.push(level);
+            }
+        }
+        let mut shown: Vec<Shown> = runs.shown(&levels);
+        for (level, shown) in levels.iter().zip(&mut shown) {
+            surface.correct(level, shown);
+        }
+        let by_channel = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
+            let places = observations.channels.iter().map(|channel| channel.place);
+            places.map(|place| (0..observations.bins).map(|bin| of(place, bin)).collect()).collect()
+        };
+        let residuals = observations
+            .channels
+            .iter()
+            .map(|channel| channel.values.iter().zip(&shown[0][channel.place]).map(|(y, m)| y - m).collect())
+            .collect();
+        let slopes = faults.iter().enumerate().map(|(i, fault)| {
+            let (low, high) = (&shown[1 + 2 * i], &shown[2 + 2 * i]);
+            let apart = fault.of(&levels[2 + 2 * i]) - fault.of(&levels[1 + 2 * i]);
+            by_channel(&|place, bin| (high[place][bin] - low[place][bin]) / apart)
+        });
+        Self { residuals, slopes: slopes.collect() }
+    }
+
+    fn cost(&self, weights: &[Vec<f64>]) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (residuals, weights) in self.residuals.iter().zip(weights) {
+            for (r, w) in residuals.iter().zip(weights) {
+                sum += w * r * r;
+                count += f64::from(u8::from(*w > 0.0));
+            }
+        }
+        sum / count
+    }
+
+    /// The normal equations' matrix and right side.
+    fn normal(&self, weights: &[Vec<f64>]) -> (DMatrix<f64>, DVector<f64>) {
+        let n = self.slopes.len();
+        let mut normal = DMatrix::zeros(n, n);
+        let mut gradient = DVector::zeros(n);
+        for (channel, weights) in weights.iter().enumerate() {
+            for (bin, w) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
+                for i in 0..n {
+                    let weighted = w * self.slopes[i][channel][bin];
+                    gradient[i] += weighted * self.residuals[channel][bin];
+                    for j in 0..=i {
+                        normal[(i, j)] += weighted * self.slopes[j][channel][bin];
+                    }
+                }
+            }
+        }
+        for i in 0..n {
+            for j in i + 1..n {
+                normal[(i, j)] = normal[(j, i)];
+            }
+        }
+        (normal, gradient)
+    }
+
+    /// The covariance of the faults, from the curvature and from the residuals as they are: correlated within blocks of time, and across
+    /// channels.
+    fn covariance(&self, weights: &[Vec<f64>], observations: &Observations) -> Option<DMatrix<f64>> {
+        let n = self.slopes.len();
+        let (normal, _) = self.normal(weights);
+        let inverse = normal.try_inverse()?;
+        let block = (BLOCK_S / observations.bin_s).ceil() as usize;
+        let mut scatter = DMatrix::<f64>::zeros(n, n);
+        let mut blocks = 0.0;
+        for from in (0..observations.bins).step_by(block) {
+            let mut score = DVector::<f64>::zeros(n);
+            let mut told = false;
+            for (channel, weights) in weights.iter().enumerate() {
+                for bin in from..(from + block).min(observations.bins) {
+                    let weighted = weights[bin] * self.residuals[channel][bin];
+                    told |= weights[bin] > 0.0;
+                    for i in 0..n {
+                        score[i] += weighted * self.slopes[i][channel][bin];
+                    }
+                }
+            }
+            blocks += f64::from(u8::from(told));
+            scatter += &score * score.transpose();
+        }
+        // As many residuals as faults were fitted away.
+        let free = (blocks / (blocks - n as f64).max(1.0)).max(1.0);
+        Some(&inverse * scatter * &inverse * free)
+    }
+}
