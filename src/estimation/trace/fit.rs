@@ -16,6 +16,8 @@ const ROUNDS_MAX: usize = 12;
 const STEP_MIN: f64 = 1e-4;
 /// The part of the spacing over which the monitoring model's slopes are taken.
 const SLOPE_PART: f64 = 0.25;
+/// Residuals of so many standard deviations count half.
+const CAUCHY: f64 = 3.0;
 /// The time over which residuals are taken to be correlated, s.
 const BLOCK_S: f64 = 0.25;
 
@@ -28,6 +30,8 @@ pub struct Fitted {
     pub covariance: DMatrix<f64>,
     /// Observed minus modelled, by channel of the observations, bin by bin.
     pub residuals: Vec<Vec<f64>>,
+    /// The variance that the residuals were expected to have, as they are.
+    pub unexplained: Vec<Vec<f64>>,
     /// The weighted mean of the squared residuals.
     pub cost: f64,
 }
@@ -41,8 +45,9 @@ pub fn weights(observations: &Observations, surface: Option<&Surface>, trust: f6
         .map(|channel| {
             let known = channel.noise.hypot(trust * channel.scale);
             let spread = |bin: usize| surface.map_or(0.0, |surface| surface.spread[channel.place][bin]);
+            let variance = |bin: usize| known * known + spread(bin).powi(2) + channel.moved[bin].powi(2);
             (0..observations.bins)
-                .map(|bin| if channel.informative[bin] { 1.0 / (known * known + spread(bin).powi(2)) } else { 0.0 })
+                .map(|bin| if channel.informative[bin] { variance(bin).recip() } else { 0.0 })
                 .collect()
         })
         .collect()
@@ -57,11 +62,11 @@ pub fn fit(
     observations: &Observations,
     surface: &Surface,
 ) -> Option<Fitted> {
-    let weights = weights(observations, Some(surface), TRUST);
+    let known = weights(observations, Some(surface), TRUST);
     let mut at = *start;
     for _ in 0..ROUNDS_MAX {
         let local = Local::at(&at, faults, runs, observations, surface);
-        let (normal, gradient) = local.normal(&weights);
+        let (normal, gradient) = local.normal(&local.robust(&known));
         let step = solve_within(&normal, &gradient, &at, faults)?;
         let mut largest: f64 = 0.0;
         for (fault, step) in faults.iter().zip(step.iter()) {
@@ -78,9 +83,17 @@ pub fn fit(
         }
     }
     let local = Local::at(&at, faults, runs, observations, surface);
-    let covariance = local.covariance(&weights, observations)?;
-    let cost = local.cost(&weights);
-    cost.is_finite().then_some(Fitted { faults: at, covariance, residuals: local.residuals, cost })
+    let covariance = local.covariance(&local.robust(&known), observations)?;
+    let cost = local.cost(&known);
+    let unexplained =
+        known.iter().map(|channel| channel.iter().map(|w| if *w > 0.0 { w.recip() } else { 0.0 }).collect());
+    cost.is_finite().then_some(Fitted {
+        faults: at,
+        covariance,
+        unexplained: unexplained.collect(),
+        residuals: local.residuals,
+        cost,
+    })
 }
 
 /// The step of least squares; a fault on its bound that would leave its range is held there.
@@ -151,6 +164,13 @@ impl Local {
             by_channel(&|place, bin| (high[place][bin] - low[place][bin]) / apart)
         });
         Self { residuals, slopes: slopes.collect() }
+    }
+
+    /// The weights with those of residuals far beyond the expected lowered (Cauchy's): a jack that sticks a moment earlier or later
+    /// leaves much in a few bins.
+    fn robust(&self, weights: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let lowered = |(r, w): (&f64, &f64)| w / (1.0 + r * r * w / (CAUCHY * CAUCHY));
+        self.residuals.iter().zip(weights).map(|(r, w)| r.iter().zip(w).map(lowered).collect()).collect()
     }
 
     fn cost(&self, weights: &[Vec<f64>]) -> f64 {

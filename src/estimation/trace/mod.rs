@@ -44,7 +44,7 @@ pub fn estimate(
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
-    let observations = match Observations::new(trace, set) {
+    let mut observations = match Observations::new(trace, set) {
         Ok(observations) => observations,
         Err(reason) => return Ok(Estimate::inconclusive(set, settings, vec![reason])),
     };
@@ -53,12 +53,13 @@ pub fn estimate(
         return Ok(Estimate::inconclusive(set, settings, reasons));
     }
     let faults = settings.faults.faults();
-    let runs = Runs::new(&observations, set);
-    let wide = search(&runs, &observations, &faults, settings, watch)?;
+    let wide = search(&observations, &faults, set, settings, watch)?;
     let mut estimate = Estimate::inconclusive(set, settings, Vec::new());
     estimate.evaluations = wide.evaluations;
     let start = proposal(&faults, &wide.best.candidate);
-    match refine(start, &faults, &runs, &observations, set, watch) {
+    let refined = surface::feel_noise(&mut observations, &start, set, settings.seed, &Part::new(watch, 0.5, 0.5))
+        .and_then(|()| refine(start, &faults, &observations, set, watch));
+    match refined {
         Ok(Some(fitted)) => {
             estimate.cost = Some(fitted.cost);
             judged::judge(&mut estimate, &fitted, &faults, &observations);
@@ -72,12 +73,13 @@ pub fn estimate(
 
 /// The best of the monitoring model alone.
 fn search(
-    runs: &Runs<'_>,
     observations: &Observations,
     faults: &[Fault],
+    set: &ParameterSet,
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Result<Minimum, EstimationError> {
+    let runs = Runs::new(observations, set);
     let wanted = wanted(observations);
     let bounds = Bounds::new(&faults.iter().map(|fault| fault.range()).collect::<Vec<_>>());
     let informative: f64 =
@@ -114,11 +116,11 @@ fn proposal(faults: &[Fault], candidate: &[f64]) -> Faults {
 fn refine(
     start: Faults,
     faults: &[Fault],
-    runs: &Runs<'_>,
     observations: &Observations,
     set: &ParameterSet,
     watch: &dyn Watch,
 ) -> Result<Option<Fitted>, SimulationError> {
+    let runs = &Runs::new(observations, set);
     let mut at = start;
     let mut fitted = None;
     for round in 0..SURFACES_MAX {

@@ -14,6 +14,8 @@ pub const TIME_STEP_S: f64 = crate::models::monitoring::large_step::TIME_STEP_MA
 const REST_M_PER_S: f64 = 1e-4;
 /// The time over which the jack's motion is looked at, s.
 const REST_WINDOW_S: f64 = 0.05;
+/// The time over which differences are averaged before they are judged, s.
+const BLOCK_S: f64 = 0.05;
 /// How long the run starts before the command's first change, s.
 const LEAD_S: f64 = 0.05;
 /// A current this close to the motor's limit, as a part of it, is saturated.
@@ -35,8 +37,40 @@ pub struct Observed {
     pub informative: Vec<bool>,
     /// Standard deviation of its noise in a bin.
     pub noise: f64,
+    /// Standard deviation of what noise in the current moves of it inside the loop, bin by bin.
+    pub moved: Vec<f64>,
     /// Standard deviation of its informative values: the measure of what a model must explain.
     pub scale: f64,
+}
+
+impl Observed {
+    /// The mean square of a difference's means over blocks in which this channel is informative, but for the largest tenth: a jack
+    /// that sticks a moment earlier or later leaves much in a few.
+    #[must_use]
+    pub fn block_mean_square(&self, difference: &[f64], bin_s: f64) -> f64 {
+        let block = block(bin_s);
+        let mut squares = Vec::new();
+        for (difference, told) in difference.chunks(block).zip(self.informative.chunks(block)) {
+            let told: Vec<f64> = difference.iter().zip(told).filter(|(_, told)| **told).map(|(d, _)| *d).collect();
+            if 2 * told.len() > block {
+                squares.push((told.iter().sum::<f64>() / told.len() as f64).powi(2));
+            }
+        }
+        squares.sort_unstable_by(f64::total_cmp);
+        squares.truncate((squares.len() * 9).div_ceil(10));
+        squares.iter().sum::<f64>() / squares.len().max(1) as f64
+    }
+
+    /// The mean square that its white noise leaves in the means over blocks.
+    #[must_use]
+    pub fn noise_mean_square(&self, bin_s: f64) -> f64 {
+        self.noise * self.noise / block(bin_s) as f64
+    }
+}
+
+/// The bins of a block.
+fn block(bin_s: f64) -> usize {
+    (BLOCK_S / bin_s).ceil() as usize
 }
 
 /// A trace on its grid.
@@ -107,7 +141,15 @@ impl Observations {
             let informative: Vec<bool> = values.iter().zip(&told).map(|(v, told)| *told && v.abs() < limit).collect();
             let noise = noise(&part(trace.channel(channel).expect("it was binned"))) / (bin_s / step_s).max(1.0).sqrt();
             let scale = deviation(&values, &informative);
-            observations.channels.push(Observed { channel, place, values, informative, noise, scale });
+            observations.channels.push(Observed {
+                channel,
+                place,
+                values,
+                informative,
+                noise,
+                moved: vec![0.0; bins],
+                scale,
+            });
         }
         Ok(observations)
     }

@@ -10,11 +10,16 @@ use crate::models::drive::Drive;
 use crate::models::fault::Faults;
 use crate::models::parameters::ParameterSet;
 use crate::models::simulate::{ModelKind, Quantity, Simulation, SimulationError, simulate};
-use crate::models::trace::Trace;
+use crate::models::trace::{Channel, Trace};
 use crate::numeric::watch::Watch;
 
 /// Bins to either side over which the surface's own error is smoothed.
 const SMOOTH_BINS: usize = 10;
+/// The same for what noise moves, of which one run is a small sample.
+const NOISE_SMOOTH_BINS: usize = 100;
+
+/// The part of the current's scale from which noise counts.
+const NOISE_MIN: f64 = 1e-3;
 
 /// How far to either side of a candidate the levels lie.
 #[must_use]
@@ -107,7 +112,7 @@ impl Surface {
                 let off = middles.iter().map(|one| (one[channel][bin] - middle[channel][bin]).powi(2)).sum::<f64>();
                 off / (middles.len().max(2) - 1) as f64
             });
-            smooth_root(&squares.collect::<Vec<_>>())
+            smooth_root(&squares.collect::<Vec<_>>(), SMOOTH_BINS)
         });
         Ok(Self { centre, faults: faults.to_vec(), middle, slopes, spread })
     }
@@ -124,6 +129,38 @@ impl Surface {
             }
         }
     }
+}
+
+/// What noise in the current moves of the other channels inside the loop: what the reference model shows with the noise that the
+/// current has, less what it shows without.
+///
+/// # Errors
+/// The reference model diverged, or the watch asked for an end.
+pub fn feel_noise(
+    observations: &mut Observations,
+    at: &Faults,
+    set: &ParameterSet,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<(), SimulationError> {
+    let current = observations.channels.iter().find(|channel| channel.channel == Channel::ServovalveCurrent);
+    let Some(current) = current.filter(|current| current.noise > NOISE_MIN * current.scale) else { return Ok(()) };
+    let own = set.reference_model();
+    let held_s = own.torque_motor.interference_sample_time_s.max(own.time_step_s);
+    let noise_power_ma2_s = ((1e3 * current.noise).powi(2) * held_s).min(1.0);
+    let quiet = recipe(observations, *at);
+    let noisy = Simulation { noise_power_ma2_s, seed, ..quiet.clone() };
+    let runs: Vec<Trace> =
+        [noisy, quiet].par_iter().map(|recipe| simulate(recipe, set, watch)).collect::<Result<_, _>>()?;
+    for channel in &mut observations.channels {
+        let values = |run: usize| runs[run].channel(channel.channel).expect("a simulated trace has every channel");
+        let moved: Vec<f64> = values(0).iter().zip(values(1)).map(|(noisy, quiet)| noisy - quiet).collect();
+        // The current's own noise is known already.
+        if channel.channel != Channel::ServovalveCurrent {
+            channel.moved = smooth_root(&moved.iter().map(|off| off * off).collect::<Vec<_>>(), NOISE_SMOOTH_BINS);
+        }
+    }
+    Ok(())
 }
 
 fn recipe(observations: &Observations, faults: Faults) -> Simulation {
@@ -145,7 +182,7 @@ fn difference(reference: &Trace, monitoring: &Shown) -> Shown {
 }
 
 /// The root of the means over neighbours.
-fn smooth_root(squares: &[f64]) -> Vec<f64> {
+fn smooth_root(squares: &[f64], reach: usize) -> Vec<f64> {
     let sums: Vec<f64> = std::iter::once(0.0)
         .chain(squares.iter().scan(0.0, |sum, square| {
             *sum += square;
@@ -154,7 +191,7 @@ fn smooth_root(squares: &[f64]) -> Vec<f64> {
         .collect();
     (0..squares.len())
         .map(|bin| {
-            let (low, high) = (bin.saturating_sub(SMOOTH_BINS), (bin + SMOOTH_BINS + 1).min(squares.len()));
+            let (low, high) = (bin.saturating_sub(reach), (bin + reach + 1).min(squares.len()));
             ((sums[high] - sums[low]).max(0.0) / (high - low) as f64).sqrt()
         })
         .collect()
