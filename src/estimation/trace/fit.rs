@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::observed::Observations;
+use super::observed::{Observations, Observed};
 use super::runs::{Runs, Shown};
 use super::surface::{Surface, spacing};
 use crate::estimation::request::Fault;
@@ -38,15 +38,14 @@ pub struct Fitted {
 
 /// Weights of the squared residuals, by channel of the observations, bin by bin.
 #[must_use]
-pub fn weights(observations: &Observations, surface: Option<&Surface>, trust: f64) -> Vec<Vec<f64>> {
-    observations
-        .channels
+pub fn weights(channels: &[Observed], surface: Option<&Surface>, trust: f64) -> Vec<Vec<f64>> {
+    channels
         .iter()
         .map(|channel| {
             let known = channel.noise.hypot(trust * channel.scale);
             let spread = |bin: usize| surface.map_or(0.0, |surface| surface.spread[channel.place][bin]);
             let variance = |bin: usize| known * known + spread(bin).powi(2) + channel.moved[bin].powi(2);
-            (0..observations.bins)
+            (0..channel.values.len())
                 .map(|bin| if channel.informative[bin] { variance(bin).recip() } else { 0.0 })
                 .collect()
         })
@@ -62,7 +61,7 @@ pub fn fit(
     observations: &Observations,
     surface: &Surface,
 ) -> Option<Fitted> {
-    let known = weights(observations, Some(surface), TRUST);
+    let known = weights(&observations.channels, Some(surface), TRUST);
     let mut at = *start;
     for _ in 0..ROUNDS_MAX {
         let local = Local::at(&at, faults, runs, observations, surface);
@@ -147,11 +146,12 @@ impl Local {
         }
         let mut shown: Vec<Shown> = runs.shown(&levels);
         for (level, shown) in levels.iter().zip(&mut shown) {
+            *shown = std::array::from_fn(|place| observations.means(&shown[place]));
             surface.correct(level, shown);
         }
         let by_channel = |of: &dyn Fn(usize, usize) -> f64| -> Vec<Vec<f64>> {
             let places = observations.channels.iter().map(|channel| channel.place);
-            places.map(|place| (0..observations.bins).map(|bin| of(place, bin)).collect()).collect()
+            places.map(|place| (0..observations.blocks()).map(|bin| of(place, bin)).collect()).collect()
         };
         let residuals = observations
             .channels
@@ -214,14 +214,14 @@ impl Local {
         let n = self.slopes.len();
         let (normal, _) = self.normal(weights);
         let inverse = normal.try_inverse()?;
-        let block = (BLOCK_S / observations.bin_s).ceil() as usize;
+        let block = (BLOCK_S / observations.block_s()).ceil() as usize;
         let mut scatter = DMatrix::<f64>::zeros(n, n);
         let mut blocks = 0.0;
-        for from in (0..observations.bins).step_by(block) {
+        for from in (0..observations.blocks()).step_by(block) {
             let mut score = DVector::<f64>::zeros(n);
             let mut told = false;
             for (channel, weights) in weights.iter().enumerate() {
-                for bin in from..(from + block).min(observations.bins) {
+                for bin in from..(from + block).min(observations.blocks()) {
                     let weighted = weights[bin] * self.residuals[channel][bin];
                     told |= weights[bin] > 0.0;
                     for i in 0..n {

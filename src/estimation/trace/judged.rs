@@ -53,7 +53,7 @@ pub fn objections(trace: &Trace, observations: &Observations, set: &ParameterSet
     }
     let max_ma = 1e3 * set.shared().torque_motor.current_max_a;
     for channel in &observations.channels {
-        let informative_s = channel.informative.iter().filter(|told| **told).count() as f64 * observations.bin_s;
+        let informative_s = channel.informative.iter().filter(|told| **told).count() as f64 * observations.block_s();
         let column = channel.channel.column();
         if informative_s < INFORMATIVE_MIN_S {
             reasons.push(format!(
@@ -126,7 +126,7 @@ const fn misfit_max(channel: Channel) -> f64 {
 
 /// The channels that the best candidate does not explain.
 fn misfits(fitted: &Fitted, observations: &Observations) -> Vec<String> {
-    let bin_s = observations.bin_s;
+    let bin_s = observations.block_s();
     let mut reasons = Vec::new();
     for ((channel, residuals), variances) in
         observations.channels.iter().zip(&fitted.residuals).zip(&fitted.unexplained)
@@ -137,9 +137,6 @@ fn misfits(fitted: &Fitted, observations: &Observations) -> Vec<String> {
         let noise = NOISE_MARGIN * NOISE_MARGIN * noise;
         let left = (channel.block_mean_square(residuals, bin_s) - noise).max(0.0).sqrt() / channel.scale;
         let most = misfit_max(channel.channel);
-        if std::env::var("DBG").is_ok() {
-            eprintln!("{:?} left {left:.4} noise {:.3e} scale {:.3e}", channel.channel, channel.noise, channel.scale);
-        }
         if left > most {
             reasons.push(format!(
                 "the faults that were asked for do not explain {}: {:.1} % of it is left, at most {:.0} % is accepted; another actuator \

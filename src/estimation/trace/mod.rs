@@ -95,9 +95,9 @@ fn search(
 }
 
 fn wanted(observations: &Observations) -> Wanted {
-    let weights = fit::weights(observations, None, TRUST);
+    let weights = fit::weights(&observations.binned, None, TRUST);
     let mut wanted: Wanted = std::array::from_fn(|_| Vec::new());
-    for (channel, weights) in observations.channels.iter().zip(weights) {
+    for (channel, weights) in observations.binned.iter().zip(weights) {
         wanted[channel.place] = channel.values.iter().copied().zip(weights).collect();
     }
     wanted

@@ -14,6 +14,8 @@ pub const TIME_STEP_S: f64 = crate::models::monitoring::large_step::TIME_STEP_MA
 const REST_M_PER_S: f64 = 1e-4;
 /// The time over which the jack's motion is looked at, s.
 const REST_WINDOW_S: f64 = 0.05;
+/// The length of a block, s.
+const FIT_BLOCK_S: f64 = 0.02;
 /// The time over which differences are averaged before they are judged, s.
 const BLOCK_S: f64 = 0.05;
 /// How long the run starts before the command's first change, s.
@@ -82,6 +84,8 @@ pub struct Observations {
     pub steps_per_bin: usize,
     /// Bins.
     pub bins: usize,
+    /// Bins in a block: what is fitted in the end is the mean over a block, in which the stick and slip of a jack averages out.
+    pub bins_per_block: usize,
     /// What acts at every time step of the monitoring model.
     pub inputs: Vec<Input>,
     /// The command, for the reference model.
@@ -92,7 +96,9 @@ pub struct Observations {
     pub supply_pa: Option<Signal>,
     /// Where the jack is at the start, m.
     pub start_m: f64,
-    /// The recorded channels.
+    /// The recorded channels, bin by bin.
+    pub binned: Vec<Observed>,
+    /// The recorded channels, block by block.
     pub channels: Vec<Observed>,
 }
 
@@ -131,8 +137,19 @@ impl Observations {
         let binned = |channel: Channel| trace.channel(channel).map(|values| bin(time_s, &part(values), bin_s, bins));
         let position = binned(Channel::JackPosition);
         let start_m = position.as_ref().map_or(command.at(0.0), |values| values[0]);
-        let mut observations =
-            Self { bin_s, steps_per_bin, bins, inputs, command, load_n, supply_pa, start_m, channels: Vec::new() };
+        let mut observations = Self {
+            bin_s,
+            steps_per_bin,
+            bins,
+            bins_per_block: (FIT_BLOCK_S / bin_s).round().max(1.0) as usize,
+            inputs,
+            command,
+            load_n,
+            supply_pa,
+            start_m,
+            binned: Vec::new(),
+            channels: Vec::new(),
+        };
         let told = observations.told(position.as_deref());
         let current_max_a = set.shared().torque_motor.current_max_a;
         for (place, channel) in CHANNELS.into_iter().enumerate() {
@@ -141,7 +158,7 @@ impl Observations {
             let informative: Vec<bool> = values.iter().zip(&told).map(|(v, told)| *told && v.abs() < limit).collect();
             let noise = noise(&part(trace.channel(channel).expect("it was binned"))) / (bin_s / step_s).max(1.0).sqrt();
             let scale = deviation(&values, &informative);
-            observations.channels.push(Observed {
+            observations.binned.push(Observed {
                 channel,
                 place,
                 values,
@@ -151,7 +168,42 @@ impl Observations {
                 scale,
             });
         }
+        observations.channels = observations.binned.iter().map(|channel| observations.in_blocks(channel)).collect();
         Ok(observations)
+    }
+
+    /// Time step of a block, s.
+    #[must_use]
+    pub fn block_s(&self) -> f64 {
+        self.bins_per_block as f64 * self.bin_s
+    }
+
+    /// Blocks.
+    #[must_use]
+    pub fn blocks(&self) -> usize {
+        self.bins.div_ceil(self.bins_per_block)
+    }
+
+    /// The means over blocks.
+    #[must_use]
+    pub fn means(&self, values: &[f64]) -> Vec<f64> {
+        values.chunks(self.bins_per_block).map(|block| block.iter().sum::<f64>() / block.len() as f64).collect()
+    }
+
+    fn in_blocks(&self, channel: &Observed) -> Observed {
+        Observed {
+            channel: channel.channel,
+            place: channel.place,
+            values: self.means(&channel.values),
+            informative: channel
+                .informative
+                .chunks(self.bins_per_block)
+                .map(|block| block.iter().all(|told| *told))
+                .collect(),
+            noise: channel.noise / (self.bins_per_block as f64).sqrt(),
+            moved: vec![0.0; self.blocks()],
+            scale: channel.scale,
+        }
     }
 
     /// The bins in which the command moves or the jack does.

@@ -13,10 +13,10 @@ use crate::models::simulate::{ModelKind, Quantity, Simulation, SimulationError, 
 use crate::models::trace::{Channel, Trace};
 use crate::numeric::watch::Watch;
 
-/// Bins to either side over which the surface's own error is smoothed.
-const SMOOTH_BINS: usize = 10;
+/// Blocks to either side over which the surface's own error is smoothed.
+const SMOOTH_BLOCKS: usize = 2;
 /// The same for what noise moves, of which one run is a small sample.
-const NOISE_SMOOTH_BINS: usize = 100;
+const NOISE_SMOOTH_BLOCKS: usize = 20;
 
 /// The part of the current's scale from which noise counts.
 const NOISE_MIN: f64 = 1e-3;
@@ -83,10 +83,11 @@ impl Surface {
             .map(|level| simulate(&recipe(observations, *level), set, watch))
             .collect::<Result<_, _>>()?;
         let monitoring = runs.shown(&levels);
-        let differences: Vec<Shown> = reference.iter().zip(&monitoring).map(|(r, m)| difference(r, m)).collect();
+        let differences: Vec<Shown> =
+            reference.iter().zip(&monitoring).map(|(r, m)| difference(r, m, observations)).collect();
         let mean = |shown: &[&Shown]| -> Shown {
             std::array::from_fn(|channel| {
-                let bins = observations.bins;
+                let bins = observations.blocks();
                 let sum = |bin: usize| shown.iter().map(|one| one[channel][bin]).sum::<f64>();
                 (0..bins).map(|bin| sum(bin) / shown.len() as f64).collect()
             })
@@ -108,11 +109,11 @@ impl Surface {
         // Each pair's mean is the middle once more; what they differ by is bend and chance.
         let middles: Vec<Shown> = differences.chunks_exact(2).map(|pair| mean(&[&pair[0], &pair[1]])).collect();
         let spread = std::array::from_fn(|channel| {
-            let squares = (0..observations.bins).map(|bin| {
+            let squares = (0..observations.blocks()).map(|bin| {
                 let off = middles.iter().map(|one| (one[channel][bin] - middle[channel][bin]).powi(2)).sum::<f64>();
                 off / (middles.len().max(2) - 1) as f64
             });
-            smooth_root(&squares.collect::<Vec<_>>(), SMOOTH_BINS)
+            smooth_root(&squares.collect::<Vec<_>>(), SMOOTH_BLOCKS)
         });
         Ok(Self { centre, faults: faults.to_vec(), middle, slopes, spread })
     }
@@ -143,7 +144,7 @@ pub fn feel_noise(
     seed: u64,
     watch: &dyn Watch,
 ) -> Result<(), SimulationError> {
-    let current = observations.channels.iter().find(|channel| channel.channel == Channel::ServovalveCurrent);
+    let current = observations.binned.iter().find(|channel| channel.channel == Channel::ServovalveCurrent);
     let Some(current) = current.filter(|current| current.noise > NOISE_MIN * current.scale) else { return Ok(()) };
     let own = set.reference_model();
     let held_s = own.torque_motor.interference_sample_time_s.max(own.time_step_s);
@@ -152,12 +153,15 @@ pub fn feel_noise(
     let noisy = Simulation { noise_power_ma2_s, seed, ..quiet.clone() };
     let runs: Vec<Trace> =
         [noisy, quiet].par_iter().map(|recipe| simulate(recipe, set, watch)).collect::<Result<_, _>>()?;
-    for channel in &mut observations.channels {
-        let values = |run: usize| runs[run].channel(channel.channel).expect("a simulated trace has every channel");
+    for place in 0..observations.channels.len() {
+        let which = observations.channels[place].channel;
+        let values = |run: usize| runs[run].channel(which).expect("a simulated trace has every channel");
         let moved: Vec<f64> = values(0).iter().zip(values(1)).map(|(noisy, quiet)| noisy - quiet).collect();
+        let moved = observations.means(&moved);
+        let channel = &mut observations.channels[place];
         // The current's own noise is known already.
         if channel.channel != Channel::ServovalveCurrent {
-            channel.moved = smooth_root(&moved.iter().map(|off| off * off).collect::<Vec<_>>(), NOISE_SMOOTH_BINS);
+            channel.moved = smooth_root(&moved.iter().map(|off| off * off).collect::<Vec<_>>(), NOISE_SMOOTH_BLOCKS);
         }
     }
     Ok(())
@@ -174,10 +178,12 @@ fn recipe(observations: &Observations, faults: Faults) -> Simulation {
     }
 }
 
-fn difference(reference: &Trace, monitoring: &Shown) -> Shown {
+/// The means over blocks of the reference model less the monitoring model.
+fn difference(reference: &Trace, monitoring: &Shown, observations: &Observations) -> Shown {
     std::array::from_fn(|place| {
         let values = reference.channel(CHANNELS[place]).expect("a simulated trace has every channel");
-        values.iter().zip(&monitoring[place]).map(|(r, m)| r - m).collect()
+        let off: Vec<f64> = values.iter().zip(&monitoring[place]).map(|(r, m)| r - m).collect();
+        observations.means(&off)
     })
 }
 
