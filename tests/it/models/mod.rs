@@ -3,6 +3,7 @@
 mod curves;
 mod faults;
 mod features;
+mod fine;
 mod fit;
 mod fluids;
 mod friction;
