@@ -22,7 +22,7 @@ use thiserror::Error;
 use utoipa::ToSchema;
 
 use crate::models::parameters::ParameterSet;
-use crate::models::trace::{Channel, Trace};
+use crate::models::trace::Trace;
 use crate::numeric::watch::Watch;
 
 use evaluate::Evaluator;
@@ -159,29 +159,21 @@ pub fn estimate(
     watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
     settings.check()?;
-    if takes_trace(trace, settings) {
-        return trace::estimate(trace, set, settings, watch);
-    }
-    by_features(trace, set, settings, watch)
-}
-
-/// Whether the whole trace is fitted: where that is asked for, or where two features cannot do.
-fn takes_trace(trace: &Trace, settings: &Settings) -> bool {
-    let auto = || {
-        let recorded = |channel| trace.channel(channel).is_some();
-        let beyond = [Channel::SpoolPosition, Channel::ExternalLoad, Channel::SupplyPressure];
-        let lacks = !recorded(Channel::ServovalveCurrent) || !recorded(Channel::LoadPressure);
-        let manoeuvres = manoeuvre::find(trace.time_s(), trace.position_command_m());
-        settings.faults != Requested::KGM_AND_FDJ
-            || lacks
-            || beyond.into_iter().any(recorded)
-            || manoeuvres.current.is_none()
-            || manoeuvres.pressure.is_none()
-    };
     match settings.objective {
-        Objective::Auto => auto(),
-        Objective::Features => false,
-        Objective::Trace => true,
+        Objective::Trace => trace::estimate(trace, set, settings, watch),
+        Objective::Features => by_features(trace, set, settings, watch),
+        Objective::Auto if !plausibility::features_suffice(trace, set, settings.faults) => {
+            trace::estimate(trace, set, settings, watch)
+        }
+        Objective::Auto => {
+            let estimate = by_features(trace, set, settings, watch)?;
+            // A spool that stands elsewhere than the current would put it shows what two features cannot, such as a leak.
+            let contradicts = |kgm| plausibility::spool_contradicts(trace, set, kgm);
+            if estimate.kgm.is_some_and(contradicts) {
+                return trace::estimate(trace, set, settings, watch);
+            }
+            Ok(estimate)
+        }
     }
 }
 

@@ -2,7 +2,8 @@
 //! model at its best.
 
 use super::features::{Features, Measured};
-use super::manoeuvre::Window;
+use super::manoeuvre::{self, Window};
+use super::request::Requested;
 use crate::models::monitoring::Bias;
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::{Channel, Trace};
@@ -25,10 +26,47 @@ const RANGE_MIN: f64 = 0.5;
 const SUPPLY_MAX: f64 = 0.01;
 /// The largest recorded load that counts as none, N.
 const LOAD_MAX_N: f64 = 5.0;
+/// How far the spool may stand from where the current puts it, as a part of that.
+const SPOOL_OFF_MAX: f64 = 0.015;
 /// The part of a feature that may remain unexplained.
 const MISFIT_MAX: f64 = 0.05;
 /// The part of the ramp's pressure that may remain unexplained, and of the ramp's current after the step.
 const CHECK_MAX: f64 = 0.15;
+
+/// Whether a trace has all that the two features take, and no more is asked of it.
+pub fn features_suffice(trace: &Trace, set: &ParameterSet, faults: Requested) -> bool {
+    let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
+    faults == Requested::KGM_AND_FDJ
+        && found.current.is_some()
+        && found.pressure.is_some()
+        && [Channel::ServovalveCurrent, Channel::LoadPressure]
+            .into_iter()
+            .all(|channel| trace.channel(channel).is_some())
+        && loaded(trace).is_none()
+        && other_supply(trace, set.reference_model().fluid.supply_pressure_pa).is_none()
+}
+
+/// Whether the spool, where it was recorded, stands elsewhere on the ramp than the current puts it: in a steady state the torque
+/// motor's force holds the feedback spring, and the flapper the flow force (docs/estimation.md).
+pub fn spool_contradicts(trace: &Trace, set: &ParameterSet, kgm: f64) -> bool {
+    let contradicts = || {
+        let spool_m = trace.channel(Channel::SpoolPosition)?;
+        let Window { from_s, to_s } = manoeuvre::find(trace.time_s(), trace.position_command_m()).current?;
+        let mean = |values: &[f64]| mean_between(trace.time_s(), values, from_s, to_s);
+        let current_a = mean(trace.channel(Channel::ServovalveCurrent)?)?;
+        let moved_m = inside(trace, trace.position_command_m(), &Window { from_s, to_s });
+        let velocity = (moved_m.last()? - moved_m.first()?) / (to_s - from_s);
+        let (shared, own) = (set.shared(), set.reference_model());
+        let (first, second) = (&own.first_stage, &own.second_stage);
+        let force_n = shared.torque_motor.force_gain_n_per_a * (1.0 - kgm) * current_a;
+        let flow_force_n = second.flow_force_n_s_per_m3 * shared.jack.area_m2 * velocity;
+        let stiffness = first.armature_stiffness_n_per_m + first.feedback_spring_stiffness_n_per_m;
+        let held_n = stiffness * flow_force_n / (second.end_area_m2 * second.pressure_gain_pa_per_m);
+        let expected_m = (force_n - held_n) / first.feedback_spring_stiffness_n_per_m;
+        Some((mean(spool_m)? - expected_m).abs() > SPOOL_OFF_MAX * expected_m.abs())
+    };
+    contradicts().unwrap_or(false)
+}
 
 /// Why no search should be made.
 pub fn objections(trace: &Trace, measured: &Measured, set: &ParameterSet) -> Vec<String> {
