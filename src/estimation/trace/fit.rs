@@ -234,6 +234,42 @@ impl Local {
         }
         // As many residuals as faults were fitted away.
         let free = (blocks / (blocks - n as f64).max(1.0)).max(1.0);
-        Some(&inverse * scatter * &inverse * free)
+        let mut covariance = &inverse * scatter * &inverse * free;
+        self.widen(&mut covariance, &inverse, weights, observations);
+        Some(covariance)
+    }
+
+    /// Widens a covariance to what noise inside the loop does to the faults, where that is more: the slowest of it looks like a fault
+    /// and is not left in the residuals.
+    fn widen(
+        &self,
+        covariance: &mut DMatrix<f64>,
+        inverse: &DMatrix<f64>,
+        weights: &[Vec<f64>],
+        observations: &Observations,
+    ) {
+        let n = self.slopes.len();
+        let draws = observations.channels.iter().map(|channel| channel.draws.len()).min().unwrap_or(0);
+        let mut squares = vec![0.0; n];
+        for draw in 0..draws {
+            let mut score = DVector::<f64>::zeros(n);
+            for (channel, (weights, observed)) in weights.iter().zip(&observations.channels).enumerate() {
+                for (bin, (off, w)) in observed.draws[draw].iter().zip(weights).enumerate() {
+                    let weighted = off * w / (1.0 + off * off * w / (CAUCHY * CAUCHY));
+                    for i in 0..n {
+                        score[i] += weighted * self.slopes[i][channel][bin];
+                    }
+                }
+            }
+            for (square, moved) in squares.iter_mut().zip((inverse * score).iter()) {
+                *square += moved * moved / draws as f64;
+            }
+        }
+        let wider: Vec<f64> = (0..n).map(|i| (squares[i] / covariance[(i, i)]).sqrt().max(1.0)).collect();
+        for i in 0..n {
+            for j in 0..n {
+                covariance[(i, j)] *= wider[i] * wider[j];
+            }
+        }
     }
 }

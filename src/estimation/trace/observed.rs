@@ -41,6 +41,8 @@ pub struct Observed {
     pub noise: f64,
     /// Standard deviation of what noise in the current moves of it inside the loop, bin by bin.
     pub moved: Vec<f64>,
+    /// What noise in the current moved of it in some runs, bin by bin.
+    pub draws: Vec<Vec<f64>>,
     /// Standard deviation of its informative values: the measure of what a model must explain.
     pub scale: f64,
 }
@@ -165,6 +167,7 @@ impl Observations {
                 informative,
                 noise,
                 moved: vec![0.0; bins],
+                draws: Vec::new(),
                 scale,
             });
         }
@@ -202,6 +205,7 @@ impl Observations {
                 .collect(),
             noise: channel.noise / (self.bins_per_block as f64).sqrt(),
             moved: vec![0.0; self.blocks()],
+            draws: Vec::new(),
             scale: channel.scale,
         }
     }

@@ -15,9 +15,11 @@ use crate::numeric::watch::Watch;
 
 /// Blocks to either side over which the surface's own error is smoothed.
 const SMOOTH_BLOCKS: usize = 2;
-/// The same for what noise moves, of which one run is a small sample.
+/// The same for what noise moves, of which a few runs are a small sample.
 const NOISE_SMOOTH_BLOCKS: usize = 20;
 
+/// Runs of the reference model with noise.
+const DRAWS: u64 = 6;
 /// The part of the current's scale from which noise counts.
 const NOISE_MIN: f64 = 1e-3;
 
@@ -150,19 +152,28 @@ pub fn feel_noise(
     let held_s = own.torque_motor.interference_sample_time_s.max(own.time_step_s);
     let noise_power_ma2_s = ((1e3 * current.noise).powi(2) * held_s).min(1.0);
     let quiet = recipe(observations, *at);
-    let noisy = Simulation { noise_power_ma2_s, seed, ..quiet.clone() };
-    let runs: Vec<Trace> =
-        [noisy, quiet].par_iter().map(|recipe| simulate(recipe, set, watch)).collect::<Result<_, _>>()?;
+    let noisy = |draw| Simulation { noise_power_ma2_s, seed: seed.wrapping_add(draw), ..quiet.clone() };
+    let recipes: Vec<Simulation> = std::iter::once(quiet.clone()).chain((0..DRAWS).map(noisy)).collect();
+    let runs: Vec<Trace> = recipes.par_iter().map(|recipe| simulate(recipe, set, watch)).collect::<Result<_, _>>()?;
     for place in 0..observations.channels.len() {
         let which = observations.channels[place].channel;
-        let values = |run: usize| runs[run].channel(which).expect("a simulated trace has every channel");
-        let moved: Vec<f64> = values(0).iter().zip(values(1)).map(|(noisy, quiet)| noisy - quiet).collect();
-        let moved = observations.means(&moved);
+        let values = |run: &Trace| run.channel(which).expect("a simulated trace has every channel").to_vec();
+        let still = values(&runs[0]);
+        let draws: Vec<Vec<f64>> = runs[1..]
+            .iter()
+            .map(|run| {
+                let off: Vec<f64> = values(run).iter().zip(&still).map(|(noisy, quiet)| noisy - quiet).collect();
+                observations.means(&off)
+            })
+            .collect();
+        let blocks = observations.blocks();
         let channel = &mut observations.channels[place];
         // The current's own noise is known already.
         if channel.channel != Channel::ServovalveCurrent {
-            channel.moved = smooth_root(&moved.iter().map(|off| off * off).collect::<Vec<_>>(), NOISE_SMOOTH_BLOCKS);
+            let square = |block: usize| draws.iter().map(|draw| draw[block].powi(2)).sum::<f64>() / DRAWS as f64;
+            channel.moved = smooth_root(&(0..blocks).map(square).collect::<Vec<_>>(), NOISE_SMOOTH_BLOCKS);
         }
+        channel.draws = draws;
     }
     Ok(())
 }
