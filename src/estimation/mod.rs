@@ -51,6 +51,8 @@ impl Verdict {
     }
 }
 
+/// The largest standard deviation of KGM with which the two features are left alone.
+const FEATURES_KGM_STD_MAX: f64 = 0.002;
 /// How many candidates a generation may have.
 pub const POPULATION: RangeInclusive<usize> = 4..=1000;
 /// How many generations a search may breed.
@@ -167,9 +169,10 @@ pub fn estimate(
         }
         Objective::Auto => {
             let estimate = by_features(trace, set, settings, watch)?;
-            // A spool that stands elsewhere than the current would put it shows what two features cannot, such as a leak.
-            let contradicts = |kgm| plausibility::spool_contradicts(trace, set, kgm);
-            if estimate.kgm.is_some_and(contradicts) {
+            // In noise the whole trace knows more; and a spool that stands elsewhere than the current would put it shows what two
+            // features cannot, such as a leak.
+            let noisy = estimate.kgm_std.is_some_and(|std| std > FEATURES_KGM_STD_MAX);
+            if noisy || estimate.kgm.is_some_and(|kgm| plausibility::spool_contradicts(trace, set, kgm)) {
                 return trace::estimate(trace, set, settings, watch);
             }
             Ok(estimate)

@@ -82,7 +82,7 @@ pub fn fit(
         }
     }
     let local = Local::at(&at, faults, runs, observations, surface);
-    let covariance = local.covariance(&local.robust(&known), observations)?;
+    let covariance = local.covariance(&local.robust(&known), observations, surface)?;
     let cost = local.cost(&known);
     let unexplained =
         known.iter().map(|channel| channel.iter().map(|w| if *w > 0.0 { w.recip() } else { 0.0 }).collect());
@@ -210,7 +210,7 @@ impl Local {
 
     /// The covariance of the faults, from the curvature and from the residuals as they are: correlated within blocks of time, and across
     /// channels.
-    fn covariance(&self, weights: &[Vec<f64>], observations: &Observations) -> Option<DMatrix<f64>> {
+    fn covariance(&self, weights: &[Vec<f64>], observations: &Observations, surface: &Surface) -> Option<DMatrix<f64>> {
         let n = self.slopes.len();
         let (normal, _) = self.normal(weights);
         let inverse = normal.try_inverse()?;
@@ -236,10 +236,30 @@ impl Local {
         let free = (blocks / (blocks - n as f64).max(1.0)).max(1.0);
         let mut covariance = &inverse * scatter * &inverse * free;
         self.widen(&mut covariance, &inverse, weights, observations);
+        for error in &surface.errors {
+            let off: Vec<&[f64]> =
+                observations.channels.iter().map(|channel| error[channel.place].as_slice()).collect();
+            let moved = &inverse * self.score(&off, weights);
+            covariance += &moved * moved.transpose() / surface.errors.len() as f64;
+        }
         Some(covariance)
     }
 
-    /// Widens a covariance to what noise inside the loop does to the faults, where that is more: the slowest of it looks like a fault
+    /// What a difference, by channel and bin, would add to the right side of the normal equations.
+    fn score(&self, off: &[&[f64]], weights: &[Vec<f64>]) -> DVector<f64> {
+        let mut score = DVector::zeros(self.slopes.len());
+        for (channel, (off, weights)) in off.iter().zip(weights).enumerate() {
+            for (bin, (off, w)) in off.iter().zip(weights).enumerate() {
+                let weighted = off * w / (1.0 + off * off * w / (CAUCHY * CAUCHY));
+                for (i, slopes) in self.slopes.iter().enumerate() {
+                    score[i] += weighted * slopes[channel][bin];
+                }
+            }
+        }
+        score
+    }
+
+    /// Widens a covariance halfway to what noise inside the loop does to the faults in a few runs, where that is more: the slowest of it looks like a fault
     /// and is not left in the residuals.
     fn widen(
         &self,
@@ -252,20 +272,13 @@ impl Local {
         let draws = observations.channels.iter().map(|channel| channel.draws.len()).min().unwrap_or(0);
         let mut squares = vec![0.0; n];
         for draw in 0..draws {
-            let mut score = DVector::<f64>::zeros(n);
-            for (channel, (weights, observed)) in weights.iter().zip(&observations.channels).enumerate() {
-                for (bin, (off, w)) in observed.draws[draw].iter().zip(weights).enumerate() {
-                    let weighted = off * w / (1.0 + off * off * w / (CAUCHY * CAUCHY));
-                    for i in 0..n {
-                        score[i] += weighted * self.slopes[i][channel][bin];
-                    }
-                }
-            }
+            let off: Vec<&[f64]> = observations.channels.iter().map(|channel| channel.draws[draw].as_slice()).collect();
+            let score = self.score(&off, weights);
             for (square, moved) in squares.iter_mut().zip((inverse * score).iter()) {
                 *square += moved * moved / draws as f64;
             }
         }
-        let wider: Vec<f64> = (0..n).map(|i| (squares[i] / covariance[(i, i)]).sqrt().max(1.0)).collect();
+        let wider: Vec<f64> = (0..n).map(|i| (0.5 + 0.5 * squares[i] / covariance[(i, i)]).sqrt().max(1.0)).collect();
         for i in 0..n {
             for j in 0..n {
                 covariance[(i, j)] *= wider[i] * wider[j];

@@ -49,6 +49,8 @@ pub struct Surface {
     slopes: Vec<Shown>,
     /// How well the surface is known, bin by bin: one standard deviation.
     pub spread: Shown,
+    /// The differences that this was taken from, each a sample of the surface's error.
+    pub errors: Vec<Shown>,
 }
 
 impl Surface {
@@ -117,7 +119,16 @@ impl Surface {
             });
             smooth_root(&squares.collect::<Vec<_>>(), SMOOTH_BLOCKS)
         });
-        Ok(Self { centre, faults: faults.to_vec(), middle, slopes, spread })
+        let scale = (middles.len() as f64 / (middles.len().max(2) - 1) as f64).sqrt();
+        let errors = middles
+            .iter()
+            .map(|one| {
+                std::array::from_fn(|channel| {
+                    one[channel].iter().zip(&middle[channel]).map(|(one, middle)| scale * (one - middle)).collect()
+                })
+            })
+            .collect();
+        Ok(Self { centre, faults: faults.to_vec(), middle, slopes, spread, errors })
     }
 
     /// The surface's difference at a candidate, added to what the monitoring model shows.
