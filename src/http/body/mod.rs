@@ -4,6 +4,7 @@
 pub mod accepted;
 pub mod actuator;
 pub mod check;
+pub mod estimation;
 pub mod fleet;
 pub mod list;
 pub mod maintenance;

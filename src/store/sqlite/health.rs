@@ -16,7 +16,7 @@ const KEEP: &str = "INSERT INTO health
     WHERE id = ?1 AND actuator_id IS NOT NULL AND recorded_at IS NOT NULL AND usage IS NOT NULL
     ON CONFLICT (actuator_id, recorded_at, trace_id) DO UPDATE SET job_id = excluded.job_id,
     kgm = excluded.kgm, kgm_std = excluded.kgm_std, fdj_n = excluded.fdj_n, fdj_n_std = excluded.fdj_n_std,
-    verdict = excluded.verdict";
+    verdict = excluded.verdict WHERE excluded.job_id >= health.job_id";
 pub(super) const LIST: &str = "SELECT trace_id, job_id, recorded_at, usage, kgm, kgm_std, fdj_n, fdj_n_std, verdict
     FROM health WHERE actuator_id = ?1 AND (recorded_at, trace_id) > (?2, ?3) AND recorded_at < ?4
     ORDER BY recorded_at, trace_id LIMIT ?5";
@@ -27,14 +27,15 @@ pub(super) const LIFE_START: &str = "SELECT at, usage FROM maintenance
 pub(super) const MAINTENANCE: &str = "SELECT id, actuator_id, kind, at, usage, note, created_at
     FROM maintenance WHERE actuator_id = ?1 AND (at, id) > (?2, ?3) ORDER BY at, id LIMIT ?4";
 
-/// Keeps what a job found in a trace, if the trace is of an actuator, within the transaction that ends the job.
+/// Keeps what a job found in a trace, if the trace is of an actuator, within the transaction that ends the job. Of two
+/// estimates of a trace the newer is that of the job that was asked for later, whichever ends first.
 pub(super) async fn keep_estimate(
     connection: &mut SqliteConnection,
     trace: Id,
     job: Id,
     estimate: &Estimate,
 ) -> Result<(), StoreError> {
-    sqlx::query(KEEP)
+    let kept = sqlx::query(KEEP)
         .bind(trace.to_string())
         .bind(job.to_string())
         .bind(estimate.kgm)
@@ -44,6 +45,9 @@ pub(super) async fn keep_estimate(
         .bind(estimate.verdict.name())
         .execute(&mut *connection)
         .await?;
+    if kept.rows_affected() == 0 {
+        return Ok(());
+    }
     sqlx::query(
         "UPDATE actuators SET revision = revision + 1 WHERE id = (SELECT actuator_id FROM traces WHERE id = ?1)",
     )

@@ -65,6 +65,18 @@ pub async fn contract_a_trace_has_one_row_its_newest_estimate(records: Arc<dyn R
     assert_eq!(records.actuator(actuator).await.unwrap().unwrap().revision, 2);
 }
 
+pub async fn contract_the_newest_estimate_is_that_of_the_job_asked_for_last(records: Arc<dyn Records>) {
+    let actuator = registered(&*records, "A").await.id;
+    let trace = measured(&*records, actuator, 10, Some(0.1)).await;
+    let (sooner, later) = (queued(&*records).await, queued(&*records).await);
+    finish(&*records, later, trace, Some(0.3)).await;
+    finish(&*records, sooner, trace, Some(0.2)).await;
+    let found = history(&*records, actuator).await;
+    assert_eq!((found.len(), found[0].kgm, found[0].job_id), (1, Some(0.3), later));
+    assert_eq!(records.job(sooner).await.unwrap().unwrap().state, JobState::Succeeded);
+    assert_eq!(records.actuator(actuator).await.unwrap().unwrap().revision, 2, "the history did not change");
+}
+
 pub async fn contract_an_inconclusive_estimate_is_listed_without_figures(records: Arc<dyn Records>) {
     let actuator = registered(&*records, "A").await.id;
     let (trace, job) = (trace(actuator, 10), job());
