@@ -1,5 +1,6 @@
 //! The records: what is known of actuators, traces, jobs and health, as plain values.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -311,6 +312,9 @@ pub struct HealthRecord {
     pub fdj_n: Option<f64>,
     /// Its standard deviation, N.
     pub fdj_n_std: Option<f64>,
+    /// The other faults that were asked for, by their names with units, and their standard deviations under `..._std`.
+    #[schema(example = json!({"clearance_m": 2.1e-6, "clearance_m_std": 1e-7}))]
+    pub faults: BTreeMap<String, Option<f64>>,
     /// Whether the trace determined at least one fault.
     pub verdict: crate::estimation::Verdict,
 }

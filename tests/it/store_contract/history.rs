@@ -1,11 +1,12 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use elevon::estimation::Verdict;
+use elevon::estimation::{Estimate, Verdict};
 use elevon::store::records::{HealthRecord, Id, JobState, MaintenanceKind, Outcome, now};
 use elevon::store::{Page, Records};
 use serde_json::json;
 
-use super::samples::{ROOMY, all, at, finish, job, maintained, measured, queued, registered, trace};
+use super::samples::{ROOMY, all, at, estimate, finish, job, maintained, measured, queued, registered, trace};
 
 /// The whole history, read in pages of two.
 async fn history(records: &dyn Records, actuator: Id) -> Vec<HealthRecord> {
@@ -75,6 +76,27 @@ pub async fn contract_the_newest_estimate_is_that_of_the_job_asked_for_last(reco
     assert_eq!((found.len(), found[0].kgm, found[0].job_id), (1, Some(0.3), later));
     assert_eq!(records.job(sooner).await.unwrap().unwrap().state, JobState::Succeeded);
     assert_eq!(records.actuator(actuator).await.unwrap().unwrap().revision, 2, "the history did not change");
+}
+
+pub async fn contract_the_other_faults_of_the_newest_estimate_stand_in_the_history(records: Arc<dyn Records>) {
+    let actuator = registered(&*records, "A").await.id;
+    let trace = measured(&*records, actuator, 10, Some(0.1)).await;
+    assert!(history(&*records, actuator).await[0].faults.is_empty());
+    let faults = BTreeMap::from([
+        ("clearance_m".to_owned(), Some(0.1 + 0.2)),
+        ("clearance_m_std".to_owned(), Some(1e-300)),
+        ("clogging".to_owned(), None),
+    ]);
+    let estimate = Box::new(Estimate { faults: faults.clone(), ..estimate(Some(0.1)) });
+    let id = queued(&*records).await;
+    records.claim_job(id, now()).await.unwrap().unwrap();
+    let outcome = Outcome::Estimated { trace_id: trace, estimate, result: json!({}) };
+    assert!(records.finish_job(id, 1, &outcome, now()).await.unwrap());
+    assert_eq!(history(&*records, actuator).await[0].faults, faults);
+    assert_eq!(records.life_history(actuator).await.unwrap().unwrap().records[0].faults, faults);
+    assert_eq!(records.fleet(None, &all()).await.unwrap().items[0].newest.as_ref().unwrap().faults, faults);
+    finish(&*records, queued(&*records).await, trace, Some(0.2)).await;
+    assert!(history(&*records, actuator).await[0].faults.is_empty(), "the newest estimate was not asked for them");
 }
 
 pub async fn contract_an_inconclusive_estimate_is_listed_without_figures(records: Arc<dyn Records>) {
