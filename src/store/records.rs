@@ -162,6 +162,10 @@ pub struct TraceRecord {
     pub samples: u64,
     /// Time from the first sample to the last, s.
     pub duration_s: f64,
+    /// Whether it is excluded from its actuator's history.
+    pub excluded: bool,
+    /// Why; empty when it is not excluded.
+    pub reason: String,
     /// When it was kept.
     pub created_at: Timestamp,
 }

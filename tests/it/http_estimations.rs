@@ -75,6 +75,43 @@ async fn the_history_shows_the_estimate_that_was_asked_for_last() {
 }
 
 #[tokio::test]
+async fn an_excluded_trace_can_be_estimated_and_stays_out_of_the_history() {
+    let service = Service::new().await;
+    let (actuator, trace) = uploaded(&service).await;
+    let path = format!("/v1/traces/{trace}");
+    let body = json!({"excluded": true, "reason": " sensor unplugged "});
+    let excluded = service.patch_json(&path, &body).await.expect(StatusCode::OK);
+    assert_eq!((excluded.value("/excluded"), excluded.text("/reason")), (json!(true), "sensor unplugged".into()));
+    assert_eq!(service.get(&path).await.json(), excluded.json());
+    let queued = estimate(&service, &trace, json!({})).await.expect(StatusCode::ACCEPTED);
+    service.work().await;
+    assert_eq!(service.get(queued.header("location")).await.text("/state"), "succeeded");
+    let health = format!("/v1/actuators/{actuator}/health");
+    assert_eq!(service.get(&health).await.value("/items"), json!([]));
+    let back = service.patch_json(&path, &json!({"excluded": false, "reason": "mended"})).await.expect(StatusCode::OK);
+    assert_eq!((back.value("/excluded"), back.text("/reason")), (json!(false), String::new()));
+    assert_eq!(service.get(&health).await.text("/items/0/job_id"), queued.text("/job/id"));
+}
+
+#[tokio::test]
+async fn an_exclusion_that_cannot_be_is_refused() {
+    let service = Service::new().await;
+    let (_, trace) = uploaded(&service).await;
+    let path = format!("/v1/traces/{trace}");
+    for (body, status, pointer) in [
+        (json!({"reason": "bad"}), 400, ""),
+        (json!({"excluded": "yes"}), 400, "/excluded"),
+        (json!({"excluded": true, "why": "bad"}), 400, "/why"),
+        (json!({"excluded": true, "reason": "a\u{7}"}), 422, "/reason"),
+        (json!({"excluded": true, "reason": "a".repeat(2001)}), 422, "/reason"),
+    ] {
+        service.patch_json(&path, &body).await.expect_problem(status, &[pointer]);
+    }
+    service.patch_json("/v1/traces/7", &json!({"excluded": true})).await.expect_problem(404, &[]);
+    assert_eq!(service.get(&path).await.value("/excluded"), json!(false));
+}
+
+#[tokio::test]
 async fn an_estimation_is_asked_for_faults_by_a_text_or_an_array() {
     let service = Service::new().await;
     let (_, trace) = uploaded(&service).await;

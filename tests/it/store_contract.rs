@@ -49,6 +49,8 @@ macro_rules! records_engine {
                 contract_a_trace_has_one_row_its_newest_estimate,
                 contract_the_newest_estimate_is_that_of_the_job_asked_for_last,
                 contract_the_other_faults_of_the_newest_estimate_stand_in_the_history,
+                contract_an_excluded_trace_leaves_the_history_and_stays,
+                contract_a_trace_excluded_before_its_estimate_does_not_enter_the_history,
                 contract_an_inconclusive_estimate_is_listed_without_figures,
                 contract_an_estimate_of_no_actuator_enters_no_history,
                 contract_a_simulation_adds_its_trace_when_it_finishes,

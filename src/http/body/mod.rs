@@ -10,4 +10,5 @@ pub mod list;
 pub mod maintenance;
 pub mod parameter_set;
 pub mod simulation;
+pub mod trace;
 pub mod upload;

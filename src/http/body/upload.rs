@@ -148,6 +148,8 @@ impl UploadQuery {
             sha256: digest::sha256_hex(bytes),
             samples: trace.samples() as u64,
             duration_s: trace.duration_s(),
+            excluded: false,
+            reason: String::new(),
             created_at: records::now(),
         })
     }

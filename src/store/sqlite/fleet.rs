@@ -22,7 +22,7 @@ macro_rules! fleet {
             LEFT JOIN forecasts f ON f.actuator_id = a.id
             LEFT JOIN health h ON h.actuator_id = a.id AND (h.recorded_at, h.trace_id) = (
                 SELECT n.recorded_at, n.trace_id FROM health n
-                WHERE n.actuator_id = a.id AND n.recorded_at >= coalesce((
+                WHERE n.actuator_id = a.id AND n.excluded = 0 AND n.recorded_at >= coalesce((
                     SELECT max(m.at) FROM maintenance m
                     WHERE m.actuator_id = a.id AND m.kind IN ('replaced', 'overhauled')), -9223372036854775808)
                 ORDER BY n.recorded_at DESC, n.trace_id DESC LIMIT 1)

@@ -11,17 +11,17 @@ use crate::store::records::{HealthRecord, Id, Maintenance};
 use crate::store::{LifeHistory, Page, Paged, StoreError};
 
 const KEEP: &str = "INSERT INTO health
-    (actuator_id, recorded_at, trace_id, job_id, usage, kgm, kgm_std, fdj_n, fdj_n_std, faults, verdict)
-    SELECT actuator_id, recorded_at, id, ?2, usage, ?3, ?4, ?5, ?6, ?7, ?8 FROM traces
+    (actuator_id, recorded_at, trace_id, job_id, usage, kgm, kgm_std, fdj_n, fdj_n_std, faults, verdict,
+    excluded) SELECT actuator_id, recorded_at, id, ?2, usage, ?3, ?4, ?5, ?6, ?7, ?8, excluded FROM traces
     WHERE id = ?1 AND actuator_id IS NOT NULL AND recorded_at IS NOT NULL AND usage IS NOT NULL
     ON CONFLICT (actuator_id, recorded_at, trace_id) DO UPDATE SET job_id = excluded.job_id,
     kgm = excluded.kgm, kgm_std = excluded.kgm_std, fdj_n = excluded.fdj_n, fdj_n_std = excluded.fdj_n_std,
     faults = excluded.faults, verdict = excluded.verdict WHERE excluded.job_id >= health.job_id";
 pub(super) const LIST: &str = "SELECT trace_id, job_id, recorded_at, usage, kgm, kgm_std, fdj_n, fdj_n_std, faults,
-    verdict FROM health WHERE actuator_id = ?1 AND (recorded_at, trace_id) > (?2, ?3) AND recorded_at < ?4
+    verdict FROM health WHERE actuator_id = ?1 AND (recorded_at, trace_id) > (?2, ?3) AND recorded_at < ?4 AND excluded = 0
     ORDER BY recorded_at, trace_id LIMIT ?5";
 pub(super) const LIFE: &str = "SELECT trace_id, job_id, recorded_at, usage, kgm, kgm_std, fdj_n, fdj_n_std, faults,
-    verdict FROM health WHERE actuator_id = ?1 AND recorded_at >= ?2 ORDER BY recorded_at, trace_id";
+    verdict FROM health WHERE actuator_id = ?1 AND recorded_at >= ?2 AND excluded = 0 ORDER BY recorded_at, trace_id";
 pub(super) const LIFE_START: &str = "SELECT at, usage FROM maintenance
     WHERE actuator_id = ?1 AND kind IN ('replaced', 'overhauled') ORDER BY at DESC, id DESC LIMIT 1";
 pub(super) const MAINTENANCE: &str = "SELECT id, actuator_id, kind, at, usage, note, created_at
