@@ -43,6 +43,7 @@ fn documented() -> OpenApiRouter<App> {
         .merge(routes::traces::routes())
         .merge(routes::parameter_sets::routes())
         .merge(routes::simulations::routes())
+        .merge(routes::estimations::routes())
         .merge(routes::jobs::routes())
         .merge(routes::health::routes())
         .merge(routes::maintenance::routes())

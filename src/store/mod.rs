@@ -133,7 +133,7 @@ pub struct FleetRow {
 
 /// Where records are kept. What a method acknowledged survives a kill and a loss of power.
 ///
-/// An actuator's `revision` grows by one with every change to its history (an estimate, a maintenance event), so that a
+/// An actuator's `revision` grows by one with every change to its history (an estimate, an exclusion, a maintenance event), so that a
 /// stored forecast can be told from a stale one.
 #[async_trait]
 pub trait Records: Send + Sync {
@@ -168,6 +168,10 @@ pub trait Records: Send + Sync {
     /// One trace's record (its bytes are in the [`Traces`]).
     async fn trace(&self, id: Id) -> Result<Option<TraceRecord>, StoreError>;
 
+    /// Excludes a trace from its actuator's history, or takes it back, and returns it as it is now. What was or will be
+    /// estimated from it is kept and stays out of the history as long. The actuator's revision grows when its history changes.
+    async fn exclude_trace(&self, id: Id, excluded: bool, reason: &str) -> Result<Option<TraceRecord>, StoreError>;
+
     /// Keeps a new job, queued.
     async fn insert_job(&self, job: &NewJob, queue_limit: u64) -> Result<(), StoreError>;
     /// One job.
@@ -193,7 +197,7 @@ pub trait Records: Send + Sync {
     /// `attempts_max` or later, and returns the ids of all queued jobs, oldest first.
     async fn recover_jobs(&self, attempts_max: u32, now: Timestamp) -> Result<Vec<Id>, StoreError>;
 
-    /// The history of an actuator, one record per trace (its newest estimate), ascending by time of recording, with
+    /// The history of an actuator, one record per trace that is not excluded (its newest estimate), ascending by time of recording, with
     /// `from <= recorded_at < to`.
     async fn health(
         &self,

@@ -1,5 +1,6 @@
 //! The records: what is known of actuators, traces, jobs and health, as plain values.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -161,6 +162,10 @@ pub struct TraceRecord {
     pub samples: u64,
     /// Time from the first sample to the last, s.
     pub duration_s: f64,
+    /// Whether it is excluded from its actuator's history.
+    pub excluded: bool,
+    /// Why; empty when it is not excluded.
+    pub reason: String,
     /// When it was kept.
     pub created_at: Timestamp,
 }
@@ -311,6 +316,9 @@ pub struct HealthRecord {
     pub fdj_n: Option<f64>,
     /// Its standard deviation, N.
     pub fdj_n_std: Option<f64>,
+    /// The other faults that were asked for, by their names with units, and their standard deviations under `..._std`.
+    #[schema(example = json!({"clearance_m": 2.1e-6, "clearance_m_std": 1e-7}))]
+    pub faults: BTreeMap<String, Option<f64>>,
     /// Whether the trace determined at least one fault.
     pub verdict: crate::estimation::Verdict,
 }

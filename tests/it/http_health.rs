@@ -39,8 +39,21 @@ async fn a_row_of_the_history_has_exactly_the_promised_fields() {
     recorded(&service, &actuator, 1).await;
     let row = service.get(&format!("/v1/actuators/{actuator}/health")).await.value("/items/0");
     let names: Vec<_> = row.as_object().unwrap().keys().collect();
-    let promised = ["fdj_n", "fdj_n_std", "job_id", "kgm", "kgm_std", "recorded_at", "trace_id", "usage", "verdict"];
+    let promised =
+        ["faults", "fdj_n", "fdj_n_std", "job_id", "kgm", "kgm_std", "recorded_at", "trace_id", "usage", "verdict"];
     assert_eq!(names, promised);
+    assert_eq!(row["faults"], json!({}));
+}
+
+#[tokio::test]
+async fn a_row_of_the_history_shows_the_other_faults_as_its_estimate_does() {
+    let service = Service::new().await;
+    let actuator = service.registered("EHA-1").await;
+    recorded(&service, &actuator, 1).await;
+    let faults = json!({"clearance_m": 2.1e-6, "clearance_m_std": 1e-7, "clogging": null, "clogging_std": null});
+    let update = sqlx::query("UPDATE health SET faults = ?1").bind(faults.to_string());
+    update.execute(&service.database().await).await.unwrap();
+    assert_eq!(service.get(&format!("/v1/actuators/{actuator}/health")).await.value("/items/0/faults"), faults);
 }
 
 #[tokio::test]

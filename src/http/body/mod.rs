@@ -4,9 +4,11 @@
 pub mod accepted;
 pub mod actuator;
 pub mod check;
+pub mod estimation;
 pub mod fleet;
 pub mod list;
 pub mod maintenance;
 pub mod parameter_set;
 pub mod simulation;
+pub mod trace;
 pub mod upload;

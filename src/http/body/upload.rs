@@ -1,11 +1,13 @@
 //! Uploading a trace.
 
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
 use jiff::Timestamp;
 use utoipa::IntoParams;
 
 use crate::estimation::method::{Choices, Method};
+use crate::estimation::request::{Objective, Requested};
 use crate::estimation::{GENERATIONS, POPULATION, Settings};
 use crate::formats::{self, Format, FormatError, ReadOptions};
 use crate::http::error::{ApiError, ApiResult};
@@ -43,6 +45,13 @@ pub struct UploadQuery {
     /// Generations.
     #[param(minimum = 0, maximum = 1000, default = 10)]
     pub generations: Option<u32>,
+    /// What is minimised; `auto` unless told.
+    #[param(inline)]
+    pub objective: Option<Objective>,
+    /// The faults to estimate, `kgm,fdj` unless told: some of `kgm`, `fdj`, `clearance`, `clogging`, `feedback_backlash`
+    /// and `current_offset`, with commas between them. Those that are not named are held at their healthy values.
+    #[param(value_type = Option<String>, example = "kgm,fdj")]
+    pub faults: Option<Requested>,
     /// Names to replace, as in `Cor:servovalve_current_ma,P12:load_pressure_pa`.
     pub columns: Option<String>,
     /// Samples per second of a file without times, Hz.
@@ -60,6 +69,7 @@ impl FromQuery for UploadQuery {
         let seed = fields.parse("seed", format!("an integer, 0 to {}", u64::MAX));
         let population = fields.integer("population", numbers(&POPULATION));
         let generations = fields.integer("generations", numbers(&GENERATIONS));
+        let (objective, faults) = (told(fields, "objective"), told(fields, "faults"));
         let columns = fields.text("columns");
         for error in columns.iter().filter_map(|map| ReadOptions::parse_columns(map).err()).flatten() {
             fields.malformed("columns", error.detail);
@@ -67,7 +77,19 @@ impl FromQuery for UploadQuery {
         let rate = |value: f64| value.is_finite() && value > 0.0;
         let sample_rate_hz = fields.number("sample_rate_hz", "a finite number above 0", rate);
         let (recorded_at, usage) = (recorded_at?, usage?);
-        Some(Self { recorded_at, usage, method, ga, seed, population, generations, columns, sample_rate_hz })
+        Some(Self {
+            recorded_at,
+            usage,
+            method,
+            ga,
+            seed,
+            population,
+            generations,
+            objective,
+            faults,
+            columns,
+            sample_rate_hz,
+        })
     }
 }
 
@@ -80,6 +102,12 @@ fn choices(fields: &mut Fields) -> Option<Choices> {
             None
         }
     }
+}
+
+/// A value whose error says what was found and what was expected.
+fn told<T: FromStr<Err = String>>(fields: &mut Fields, name: &'static str) -> Option<T> {
+    let read = fields.text(name)?.parse();
+    read.map_err(|detail| fields.malformed(name, detail)).ok()
 }
 
 fn usage(fields: &mut Fields) -> Option<f64> {
@@ -97,7 +125,8 @@ impl UploadQuery {
             population: self.population.map_or(default.population, |value| value as usize),
             generations: self.generations.map_or(default.generations, |value| value as usize),
             seed: self.seed.unwrap_or(default.seed),
-            ..default
+            objective: self.objective.unwrap_or(default.objective),
+            faults: self.faults.unwrap_or(default.faults),
         }
     }
 
@@ -119,6 +148,8 @@ impl UploadQuery {
             sha256: digest::sha256_hex(bytes),
             samples: trace.samples() as u64,
             duration_s: trace.duration_s(),
+            excluded: false,
+            reason: String::new(),
             created_at: records::now(),
         })
     }

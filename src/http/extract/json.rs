@@ -1,9 +1,10 @@
 //! JSON bodies, strictly: unknown fields and wrong types are named by a JSON pointer.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use axum::extract::{FromRef, FromRequest, Request};
-use serde::de::{DeserializeOwned, Error as _, MapAccess, SeqAccess, Visitor};
+use serde::de::{DeserializeOwned, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use serde_path_to_error::{Path, Segment};
 
@@ -36,6 +37,26 @@ fn parse<T: DeserializeOwned>(bytes: &[u8]) -> ApiResult<T> {
     read(bytes)
 }
 
+/// A body of JSON in which arrays may stand, read into `T`, an object.
+#[derive(Debug)]
+pub struct ObjectBody<T>(pub T);
+
+impl<T, S> FromRequest<S> for ObjectBody<T>
+where
+    T: DeserializeOwned,
+    Limits: FromRef<S>,
+    S: Send + Sync,
+{
+    type Rejection = ApiError;
+
+    async fn from_request(request: Request, state: &S) -> ApiResult<Self> {
+        let body = RawBody::from_request(request, state).await?;
+        body.kind(&[("application/json", ())])?;
+        read::<BTreeMap<String, IgnoredAny>>(body.bytes())?;
+        read(body.bytes()).map(Self)
+    }
+}
+
 /// Reads one JSON value and nothing after it; what it may be is for `T` to say.
 ///
 /// # Errors
@@ -55,6 +76,7 @@ fn in_plain_words(error: &str) -> String {
     let expected = match expected {
         "f64" => "a number",
         "u64" => "an integer, at least 0",
+        "a map" => "an object",
         of_a_type if of_a_type.starts_with("struct ") => "an object",
         other => other,
     };

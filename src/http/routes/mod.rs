@@ -2,6 +2,7 @@
 
 pub mod actuators;
 pub mod dashboard;
+pub mod estimations;
 pub mod health;
 pub mod jobs;
 pub mod maintenance;

@@ -229,6 +229,8 @@ fn risk(prognosis: &Prognosis) -> Option<Risk> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
     use crate::estimation::Verdict;
     use crate::store::records::Thresholds;
@@ -259,6 +261,7 @@ mod tests {
             kgm_std: (i < 10).then_some(0.005),
             fdj_n: (i < 10).then(|| FDJ_NOMINAL_N + fdj_step_n * f64::from(i)),
             fdj_n_std: (i < 10).then_some(5.0),
+            faults: BTreeMap::new(),
             verdict: if i < 10 { Verdict::Conclusive } else { Verdict::Inconclusive },
         };
         LifeHistory { revision: 0, life_start_usage, records: (0..=10).map(record).collect() }

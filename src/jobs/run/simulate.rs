@@ -74,6 +74,8 @@ pub(super) async fn keep(written: Written, traces: &dyn Traces) -> Result<Outcom
         sha256: written.sha256,
         samples: written.samples,
         duration_s: written.duration_s,
+        excluded: false,
+        reason: String::new(),
         created_at: records::now(),
     };
     if let Err(error) = traces.put(trace_id, written.bytes).await {

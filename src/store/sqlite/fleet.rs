@@ -14,14 +14,15 @@ macro_rules! fleet {
         concat!(
             "SELECT a.id, a.serial_number, a.tail_number, a.location, a.parameter_set, a.parameter_set_hash,
             a.threshold_kgm, a.threshold_fdj_n, a.usage_unit, a.created_at, a.revision,
-            h.trace_id, h.job_id, h.recorded_at, h.usage, h.kgm, h.kgm_std, h.fdj_n, h.fdj_n_std, h.verdict,
+            h.trace_id, h.job_id, h.recorded_at, h.usage, h.kgm, h.kgm_std, h.fdj_n, h.fdj_n_std, h.faults,
+            h.verdict,
             f.actuator_id, a.forecast_revision, a.risk, a.median_remaining, f.document, f.basis, f.created_at,
             a.risk_order, a.median_order
             FROM actuators a
             LEFT JOIN forecasts f ON f.actuator_id = a.id
             LEFT JOIN health h ON h.actuator_id = a.id AND (h.recorded_at, h.trace_id) = (
                 SELECT n.recorded_at, n.trace_id FROM health n
-                WHERE n.actuator_id = a.id AND n.recorded_at >= coalesce((
+                WHERE n.actuator_id = a.id AND n.excluded = 0 AND n.recorded_at >= coalesce((
                     SELECT max(m.at) FROM maintenance m
                     WHERE m.actuator_id = a.id AND m.kind IN ('replaced', 'overhauled')), -9223372036854775808)
                 ORDER BY n.recorded_at DESC, n.trace_id DESC LIMIT 1)
@@ -128,7 +129,7 @@ fn read(row: &SqliteRow, first: usize) -> Result<ForecastRecord, StoreError> {
 /// Reads a row of the fleet and its place in the order.
 fn read_row(row: &SqliteRow) -> Result<(FleetRow, (f64, f64)), StoreError> {
     let newest: Option<HealthRecord> = if row.try_get_raw(11)?.is_null() { None } else { Some(health::read(row, 11)?) };
-    let forecast = if row.try_get_raw(20)?.is_null() { None } else { Some(read(row, 20)?) };
-    let order = (row.try_get(27)?, row.try_get(28)?);
+    let forecast = if row.try_get_raw(21)?.is_null() { None } else { Some(read(row, 21)?) };
+    let order = (row.try_get(28)?, row.try_get(29)?);
     Ok((FleetRow { actuator: actuators::read(row)?, newest, forecast }, order))
 }

@@ -11,39 +11,44 @@ use crate::store::records::{HealthRecord, Id, Maintenance};
 use crate::store::{LifeHistory, Page, Paged, StoreError};
 
 const KEEP: &str = "INSERT INTO health
-    (actuator_id, recorded_at, trace_id, job_id, usage, kgm, kgm_std, fdj_n, fdj_n_std, verdict)
-    SELECT actuator_id, recorded_at, id, ?2, usage, ?3, ?4, ?5, ?6, ?7 FROM traces
+    (actuator_id, recorded_at, trace_id, job_id, usage, kgm, kgm_std, fdj_n, fdj_n_std, faults, verdict,
+    excluded) SELECT actuator_id, recorded_at, id, ?2, usage, ?3, ?4, ?5, ?6, ?7, ?8, excluded FROM traces
     WHERE id = ?1 AND actuator_id IS NOT NULL AND recorded_at IS NOT NULL AND usage IS NOT NULL
     ON CONFLICT (actuator_id, recorded_at, trace_id) DO UPDATE SET job_id = excluded.job_id,
     kgm = excluded.kgm, kgm_std = excluded.kgm_std, fdj_n = excluded.fdj_n, fdj_n_std = excluded.fdj_n_std,
-    verdict = excluded.verdict";
-pub(super) const LIST: &str = "SELECT trace_id, job_id, recorded_at, usage, kgm, kgm_std, fdj_n, fdj_n_std, verdict
-    FROM health WHERE actuator_id = ?1 AND (recorded_at, trace_id) > (?2, ?3) AND recorded_at < ?4
+    faults = excluded.faults, verdict = excluded.verdict WHERE excluded.job_id >= health.job_id";
+pub(super) const LIST: &str = "SELECT trace_id, job_id, recorded_at, usage, kgm, kgm_std, fdj_n, fdj_n_std, faults,
+    verdict FROM health WHERE actuator_id = ?1 AND (recorded_at, trace_id) > (?2, ?3) AND recorded_at < ?4 AND excluded = 0
     ORDER BY recorded_at, trace_id LIMIT ?5";
-pub(super) const LIFE: &str = "SELECT trace_id, job_id, recorded_at, usage, kgm, kgm_std, fdj_n, fdj_n_std, verdict
-    FROM health WHERE actuator_id = ?1 AND recorded_at >= ?2 ORDER BY recorded_at, trace_id";
+pub(super) const LIFE: &str = "SELECT trace_id, job_id, recorded_at, usage, kgm, kgm_std, fdj_n, fdj_n_std, faults,
+    verdict FROM health WHERE actuator_id = ?1 AND recorded_at >= ?2 AND excluded = 0 ORDER BY recorded_at, trace_id";
 pub(super) const LIFE_START: &str = "SELECT at, usage FROM maintenance
     WHERE actuator_id = ?1 AND kind IN ('replaced', 'overhauled') ORDER BY at DESC, id DESC LIMIT 1";
 pub(super) const MAINTENANCE: &str = "SELECT id, actuator_id, kind, at, usage, note, created_at
     FROM maintenance WHERE actuator_id = ?1 AND (at, id) > (?2, ?3) ORDER BY at, id LIMIT ?4";
 
-/// Keeps what a job found in a trace, if the trace is of an actuator, within the transaction that ends the job.
+/// Keeps what a job found in a trace, if the trace is of an actuator, within the transaction that ends the job. Of two
+/// estimates of a trace the newer is that of the job that was asked for later, whichever ends first.
 pub(super) async fn keep_estimate(
     connection: &mut SqliteConnection,
     trace: Id,
     job: Id,
     estimate: &Estimate,
 ) -> Result<(), StoreError> {
-    sqlx::query(KEEP)
+    let kept = sqlx::query(KEEP)
         .bind(trace.to_string())
         .bind(job.to_string())
         .bind(estimate.kgm)
         .bind(estimate.kgm_std)
         .bind(estimate.fdj_n)
         .bind(estimate.fdj_n_std)
+        .bind(serde_json::to_string(&estimate.faults).expect("faults have names"))
         .bind(estimate.verdict.name())
         .execute(&mut *connection)
         .await?;
+    if kept.rows_affected() == 0 {
+        return Ok(());
+    }
     sqlx::query(
         "UPDATE actuators SET revision = revision + 1 WHERE id = (SELECT actuator_id FROM traces WHERE id = ?1)",
     )
@@ -145,6 +150,7 @@ pub(super) fn read(row: &SqliteRow, first: usize) -> Result<HealthRecord, StoreE
         kgm_std: row.value()?,
         fdj_n: row.value()?,
         fdj_n_std: row.value()?,
+        faults: row.document()?,
         verdict: row.name()?,
     })
 }

@@ -146,6 +146,10 @@ impl Records for SqliteRecords {
         traces::one(&self.readers, id).await
     }
 
+    async fn exclude_trace(&self, id: Id, excluded: bool, reason: &str) -> Result<Option<TraceRecord>, StoreError> {
+        traces::exclude(&self.writer, id, excluded, reason).await
+    }
+
     async fn insert_job(&self, job: &NewJob, queue_limit: u64) -> Result<(), StoreError> {
         jobs::insert(&self.writer, job, queue_limit).await
     }

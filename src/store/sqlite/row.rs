@@ -74,8 +74,13 @@ impl<'r> Reader<'r> {
         T::deserialize(text.into_deserializer()).map_err(|error: NameError| self.corrupt(error))
     }
 
-    /// A JSON document.
+    /// A JSON document of any form.
     pub(super) fn json(&mut self) -> Result<serde_json::Value, StoreError> {
+        self.document()
+    }
+
+    /// A JSON document of a known form.
+    pub(super) fn document<T: DeserializeOwned>(&mut self) -> Result<T, StoreError> {
         let text: &str = self.value()?;
         serde_json::from_str(text).map_err(|error| self.corrupt(error))
     }

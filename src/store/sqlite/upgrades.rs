@@ -1,26 +1,74 @@
 //! A database of an older schema is brought up to date with what is in it.
 
+use std::collections::BTreeMap;
+use std::path::Path;
+
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 
 use super::{FILE, MIGRATIONS, SqliteRecords};
 use crate::store::records::{Id, ParameterSetRecord, now};
 use crate::store::{Page, Records as _};
 
-#[tokio::test]
-async fn an_actuator_from_before_there_were_parameter_sets_is_pinned_to_the_built_in_one_at_the_start() {
-    let dir = tempfile::tempdir().unwrap();
-    let options = SqliteConnectOptions::new().filename(dir.path().join(FILE)).create_if_missing(true);
+/// A database of an older schema.
+async fn older(dir: &Path, version: i64) -> SqlitePool {
+    let options = SqliteConnectOptions::new().filename(dir.join(FILE)).create_if_missing(true);
     let old = SqlitePool::connect_with(options).await.unwrap();
-    MIGRATIONS.run_to(1, &old).await.unwrap();
-    let id = Id::now();
+    MIGRATIONS.run_to(version, &old).await.unwrap();
+    old
+}
+
+async fn insert_actuator(old: &SqlitePool, id: Id) {
     sqlx::query(
         "INSERT INTO actuators (id, serial_number, tail_number, location, parameter_set, threshold_kgm, threshold_fdj_n,
         usage_unit, created_at) VALUES (?1, 'A', 'B', 'C', 'reference', 0.4, 1000.0, 'flight_hours', 0)",
     )
     .bind(id.to_string())
-    .execute(&old)
+    .execute(old)
     .await
     .unwrap();
+}
+
+/// Inserts a trace of an actuator and its estimate, whose job has a result.
+async fn insert_estimate(old: &SqlitePool, actuator: Id, recorded_at: i64, result: &str) {
+    let (trace, job) = (Id::now().to_string(), Id::now().to_string());
+    let statements = [
+        "INSERT INTO traces (id, actuator_id, recorded_at, usage, media_type, columns, size_bytes, sha256, samples, duration_s,
+        created_at) VALUES (?2, ?1, ?4, 1.0, 'text/csv', '', 1, '', 1, 1.0, 0)",
+        "INSERT INTO jobs (id, kind, state, created_at, spec, result) VALUES (?3, 'estimation', 'succeeded', 0, '{}', ?5)",
+        "INSERT INTO health (actuator_id, recorded_at, trace_id, job_id, usage, verdict)
+        VALUES (?1, ?4, ?2, ?3, 1.0, 'conclusive')",
+    ];
+    for statement in statements {
+        let query = sqlx::query(statement).bind(actuator.to_string()).bind(&trace).bind(&job);
+        query.bind(recorded_at).bind(result).execute(old).await.unwrap();
+    }
+}
+
+#[tokio::test]
+async fn estimates_from_before_the_history_had_their_other_faults_bring_them_from_their_jobs() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = older(dir.path(), 2).await;
+    let id = Id::now();
+    insert_actuator(&old, id).await;
+    for (at, result) in
+        [r#"{"faults": {"clearance_m": 2e-6, "clogging": null}}"#, r#"{"kgm": 0.1}"#, "{}"].iter().enumerate()
+    {
+        insert_estimate(&old, id, at as i64, result).await;
+    }
+    old.close().await;
+    let records = SqliteRecords::open(dir.path()).await.unwrap();
+    let page = records.health(id, None, None, &Page { after: None, limit: 10 }).await.unwrap();
+    let faults: Vec<_> = page.items.into_iter().map(|record| record.faults).collect();
+    let first = BTreeMap::from([("clearance_m".to_owned(), Some(2e-6)), ("clogging".to_owned(), None)]);
+    assert_eq!(faults, [first, BTreeMap::new(), BTreeMap::new()]);
+}
+
+#[tokio::test]
+async fn an_actuator_from_before_there_were_parameter_sets_is_pinned_to_the_built_in_one_at_the_start() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = older(dir.path(), 1).await;
+    let id = Id::now();
+    insert_actuator(&old, id).await;
     old.close().await;
     let records = SqliteRecords::open(dir.path()).await.unwrap();
     assert_eq!(records.actuator(id).await.unwrap().unwrap().parameter_set_hash, "");

@@ -1,11 +1,12 @@
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use elevon::estimation::Verdict;
+use elevon::estimation::{Estimate, Verdict};
 use elevon::store::records::{HealthRecord, Id, JobState, MaintenanceKind, Outcome, now};
 use elevon::store::{Page, Records};
 use serde_json::json;
 
-use super::samples::{ROOMY, all, at, finish, job, maintained, measured, queued, registered, trace};
+use super::samples::{ROOMY, all, at, estimate, finish, job, maintained, measured, queued, registered, trace};
 
 /// The whole history, read in pages of two.
 async fn history(records: &dyn Records, actuator: Id) -> Vec<HealthRecord> {
@@ -63,6 +64,80 @@ pub async fn contract_a_trace_has_one_row_its_newest_estimate(records: Arc<dyn R
     assert_eq!(found.len(), 1);
     assert_eq!((found[0].kgm, found[0].job_id), (Some(0.3), again));
     assert_eq!(records.actuator(actuator).await.unwrap().unwrap().revision, 2);
+}
+
+pub async fn contract_the_newest_estimate_is_that_of_the_job_asked_for_last(records: Arc<dyn Records>) {
+    let actuator = registered(&*records, "A").await.id;
+    let trace = measured(&*records, actuator, 10, Some(0.1)).await;
+    let (sooner, later) = (queued(&*records).await, queued(&*records).await);
+    finish(&*records, later, trace, Some(0.3)).await;
+    finish(&*records, sooner, trace, Some(0.2)).await;
+    let found = history(&*records, actuator).await;
+    assert_eq!((found.len(), found[0].kgm, found[0].job_id), (1, Some(0.3), later));
+    assert_eq!(records.job(sooner).await.unwrap().unwrap().state, JobState::Succeeded);
+    assert_eq!(records.actuator(actuator).await.unwrap().unwrap().revision, 2, "the history did not change");
+}
+
+pub async fn contract_the_other_faults_of_the_newest_estimate_stand_in_the_history(records: Arc<dyn Records>) {
+    let actuator = registered(&*records, "A").await.id;
+    let trace = measured(&*records, actuator, 10, Some(0.1)).await;
+    assert!(history(&*records, actuator).await[0].faults.is_empty());
+    let faults = BTreeMap::from([
+        ("clearance_m".to_owned(), Some(0.1 + 0.2)),
+        ("clearance_m_std".to_owned(), Some(1e-300)),
+        ("clogging".to_owned(), None),
+    ]);
+    let estimate = Box::new(Estimate { faults: faults.clone(), ..estimate(Some(0.1)) });
+    let id = queued(&*records).await;
+    records.claim_job(id, now()).await.unwrap().unwrap();
+    let outcome = Outcome::Estimated { trace_id: trace, estimate, result: json!({}) };
+    assert!(records.finish_job(id, 1, &outcome, now()).await.unwrap());
+    assert_eq!(history(&*records, actuator).await[0].faults, faults);
+    assert_eq!(records.life_history(actuator).await.unwrap().unwrap().records[0].faults, faults);
+    assert_eq!(records.fleet(None, &all()).await.unwrap().items[0].newest.as_ref().unwrap().faults, faults);
+    finish(&*records, queued(&*records).await, trace, Some(0.2)).await;
+    assert!(history(&*records, actuator).await[0].faults.is_empty(), "the newest estimate was not asked for them");
+}
+
+pub async fn contract_an_excluded_trace_leaves_the_history_and_stays(records: Arc<dyn Records>) {
+    let actuator = registered(&*records, "A").await.id;
+    let (first, second) =
+        (measured(&*records, actuator, 10, Some(0.1)).await, measured(&*records, actuator, 20, Some(0.2)).await);
+    let revision = async || records.actuator(actuator).await.unwrap().unwrap().revision;
+    let usages = async || {
+        let history: Vec<_> = history(&*records, actuator).await.iter().map(|record| record.usage).collect();
+        let life = records.life_history(actuator).await.unwrap().unwrap().records;
+        assert_eq!(history, life.iter().map(|record| record.usage).collect::<Vec<_>>());
+        let newest = records.fleet(None, &all()).await.unwrap().items.remove(0).newest;
+        assert_eq!(history.last().copied(), newest.map(|record| record.usage));
+        history
+    };
+    for (times, grown) in [(1, 3), (2, 3)] {
+        let trace = records.exclude_trace(second, true, "unplugged").await.unwrap().unwrap();
+        assert_eq!((trace.excluded, trace.reason.as_str(), trace.id), (true, "unplugged", second));
+        assert_eq!(records.trace(second).await.unwrap(), Some(trace));
+        assert_eq!((usages().await, revision().await), (vec![10.0], grown), "excluded {times} times");
+    }
+    finish(&*records, queued(&*records).await, second, Some(0.3)).await;
+    assert_eq!(usages().await, [10.0], "an estimate does not take an excluded trace back");
+    records.exclude_trace(first, true, "").await.unwrap().unwrap();
+    assert!(usages().await.is_empty());
+    let before = revision().await;
+    records.exclude_trace(second, false, "").await.unwrap().unwrap();
+    assert_eq!((usages().await, revision().await), (vec![20.0], before + 1));
+    assert_eq!(history(&*records, actuator).await[0].kgm, Some(0.3));
+    assert_eq!(records.exclude_trace(Id::now(), true, "").await.unwrap(), None);
+}
+
+pub async fn contract_a_trace_excluded_before_its_estimate_does_not_enter_the_history(records: Arc<dyn Records>) {
+    let actuator = registered(&*records, "A").await.id;
+    let (trace, job) = (trace(actuator, 10), job());
+    records.insert_upload(&trace, &job, ROOMY).await.unwrap();
+    records.exclude_trace(trace.id, true, "too hot").await.unwrap().unwrap();
+    finish(&*records, job.id, trace.id, Some(0.1)).await;
+    assert!(history(&*records, actuator).await.is_empty());
+    records.exclude_trace(trace.id, false, "").await.unwrap().unwrap();
+    assert_eq!(history(&*records, actuator).await.len(), 1);
 }
 
 pub async fn contract_an_inconclusive_estimate_is_listed_without_figures(records: Arc<dyn Records>) {

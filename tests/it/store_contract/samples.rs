@@ -58,6 +58,8 @@ pub fn trace(actuator: Id, second: i64) -> TraceRecord {
         sha256: "ab".repeat(32),
         samples: 20_001,
         duration_s: 2.0,
+        excluded: false,
+        reason: String::new(),
         created_at: now(),
     }
 }

@@ -33,7 +33,8 @@ impl FromQuery for (HistoryQuery, PageQuery) {
     }
 }
 
-/// The history of an actuator's faults, ascending by time of recording: one row for each trace, its newest estimate.
+/// The history of an actuator's faults, ascending by time of recording: one row for each trace that is not excluded, its
+/// newest estimate.
 #[utoipa::path(
     get,
     path = "/v1/actuators/{id}/health",

@@ -1,5 +1,6 @@
 //! Traces.
 
+mod change;
 mod data;
 mod get;
 mod upload;
@@ -18,6 +19,6 @@ const FORMATS: [(&str, Format); 2] =
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(upload::upload_trace))
-        .routes(routes!(get::get_trace))
+        .routes(routes!(get::get_trace, change::change_trace))
         .routes(routes!(data::trace_data))
 }
