@@ -19,3 +19,23 @@ impl Watch for Unwatched {
         false
     }
 }
+
+/// A part of longer work: its progress runs between two fractions of the whole.
+pub struct Stretch<'a> {
+    /// Who looks on at the whole.
+    pub watch: &'a dyn Watch,
+    /// Where the part begins.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+}
+
+impl Watch for Stretch<'_> {
+    fn progress(&self, fraction: f64) {
+        self.watch.progress(self.from + (self.to - self.from) * fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watch.cancelled()
+    }
+}

@@ -21,7 +21,7 @@ pub use bias::Bias;
 use fluid::FluidModel;
 
 /// What the monitoring model has of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Params {
     /// The flapper.

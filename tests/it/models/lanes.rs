@@ -22,7 +22,7 @@ fn evaluator() -> Evaluator {
     let channels = BTreeMap::from_iter(silent.into_iter().chain([(Channel::PositionCommand, command_m)]));
     let trace = Trace::try_new(time_s, channels, Vec::new()).unwrap();
     let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
-    let measured = features::measure(&trace, &found).unwrap();
+    let measured = features::measure(&trace, &found, &ParameterSet::reference().shared()).unwrap();
     Evaluator::new(&trace, &measured, &ParameterSet::reference())
 }
 
