@@ -44,7 +44,7 @@ fn main() {
     println!("reference model, 6 s: {simulation_ms:.1} ms, {:.0} ns a step", simulation_ms * 1e6 / 600_001.0);
 
     let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
-    let evaluator = Evaluator::new(&trace, &features::measure(&trace, &found).unwrap(), &set);
+    let evaluator = Evaluator::new(&trace, &features::measure(&trace, &found, &set.shared()).unwrap(), &set);
     let batch_ms = |size: u32| {
         let proposal =
             |i| Proposal { kgm: f64::from(i) * 0.95 / f64::from(size), fdj_n: 200.0 + f64::from(10 * i % 1800) };

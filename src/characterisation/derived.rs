@@ -12,7 +12,7 @@ use crate::models::parameters::ParameterSet;
 #[must_use]
 pub fn derived(set: &ParameterSet) -> monitoring::Params {
     let reference = set.reference_model();
-    let mut own = *set.monitoring_model();
+    let mut own = set.monitoring_model().clone();
     let (motor, flapper) = (&reference.torque_motor, &reference.first_stage);
     let magnetic_n_per_m = set.shared().torque_motor.force_gain_n_per_a * motor.spring_a_per_m();
     let stiffness_n_per_m = flapper.armature_stiffness_n_per_m + magnetic_n_per_m;

@@ -11,10 +11,11 @@
 //! force that this model lacks, a ratio. Clk: least squares of the pressure feature, and enough for the fine step. The
 //! lag's scale: the jack's mass on the lagged pressure is damped by a tenth of the critical on the ramp. The flow gains
 //! of 5.1 and 5.2: the ramp's current, but no less than what the time step can follow. The bias: measured at levels that
-//! no fit has seen.
+//! no fit has seen, as a mean and as a surface over the levels ([`super::bias`]).
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::bias;
 use super::derived::derived;
 use super::diagnostic::{self, Features, Level, TIME_STEP_S};
 use super::report::{Fitted, FluidResiduals, ZeroFlow};
@@ -24,10 +25,12 @@ use crate::models::checks::ParamsError;
 use crate::models::monitoring::fluid::FluidModel;
 use crate::models::monitoring::{self, Bias, Model, fluid};
 use crate::models::parameters::ParameterSet;
-use crate::numeric::watch::Watch;
+use crate::numeric::watch::{Stretch, Watch};
 use crate::optimiser::polish::simplex::{self, Simplex};
 use crate::optimiser::{Bounds, Search};
 
+/// The part of the progress that is made before the surface of the bias, which takes most of the runs.
+const BEFORE_SURFACE: f64 = 0.35;
 /// Chapter 6's levels, at which the values are fitted.
 const KGM: [f64; 5] = [0.0, 0.1, 0.2, 0.3, 0.4];
 /// Chapter 6's levels, N.
@@ -91,6 +94,7 @@ pub fn fit(set: &ParameterSet, watch: &dyn Watch) -> Result<Fitted, FitError> {
     let fitting = KGM.iter().flat_map(|&kgm| FDJ_N.map(|fdj_n| Level { kgm, fdj_n })).collect::<Vec<_>>();
     let checking = diagnostic::levels();
     let all: Vec<Level> = fitting.iter().chain(&checking).copied().collect();
+    let watch = &Stretch { watch, from: 0.0, to: BEFORE_SURFACE };
     let done = AtomicUsize::new(0);
     let tell = || watch.progress(0.5 * (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / all.len() as f64);
     let mut own = derived(set);
@@ -115,11 +119,37 @@ pub fn fit(set: &ParameterSet, watch: &dyn Watch) -> Result<Fitted, FitError> {
         let model = Model::with_fluid(&goal.shared, &own, fluid);
         fluids.push(residuals(fluid, &diagnostic::monitoring(&model, &checking)));
     }
-    own.bias = bias(&fluids[0]);
+    let set = with_bias(set, own, &fluids[0], watch.watch)?;
+    Ok(Fitted { set, zero_flow, fluids })
+}
+
+/// Measures the bias of a set's monitoring model as it is, without fitting that.
+///
+/// # Errors
+/// A reference model without the features, or cancellation by `watch`.
+pub fn measure_bias(set: &ParameterSet, watch: &dyn Watch) -> Result<ParameterSet, FitError> {
+    let checking = diagnostic::levels();
+    let shown = diagnostic::reference(set, &checking, || ()).map_err(FitError::Levels)?;
+    let own = set.monitoring_model().clone();
+    let modelled = diagnostic::monitoring(&Model::new(&set.shared(), &own), &checking);
+    watch.progress(BEFORE_SURFACE);
+    let developed = FluidResiduals::new(FluidModel::Developed, false, &checking, &shown, &modelled);
+    with_bias(set, own, &developed, watch)
+}
+
+/// The set with this monitoring model and the bias that it has.
+fn with_bias(
+    set: &ParameterSet,
+    mut own: monitoring::Params,
+    developed: &FluidResiduals,
+    watch: &dyn Watch,
+) -> Result<ParameterSet, FitError> {
+    let model = Model::new(&set.shared(), &own);
+    let surface = bias::learn(set, &model, &Stretch { watch, from: BEFORE_SURFACE, to: 1.0 })?;
+    own.bias = Bias { surface: Some(surface), ..mean_bias(developed) };
     let mut parameters = set.to_json();
     parameters["monitoring"] = serde_json::to_value(own).expect("plain numbers serialise");
-    let fitted = ParameterSet::from_json(set.name(), &parameters).map_err(FitError::Invalid)?;
-    Ok(Fitted { set: fitted, zero_flow, fluids })
+    ParameterSet::from_json(set.name(), &parameters).map_err(FitError::Invalid)
 }
 
 /// XSS, m, and what is left of the zero-flow curve.
@@ -178,7 +208,7 @@ impl Goal {
     fn fit_developed(&self, own: &monitoring::Params, watch: &dyn Watch) -> Result<fluid::Params, FitError> {
         let at = |exponent: f64| self.developed_at(&own.fluid, 10f64.powf(exponent));
         let cost = |exponent: f64| {
-            let candidate = monitoring::Params { fluid: at(exponent), ..*own };
+            let candidate = monitoring::Params { fluid: at(exponent), ..own.clone() };
             if !candidate.fluid.flow_gain_m2_per_s.is_finite() || candidate.fluid.flow_gain_m2_per_s <= 0.0 {
                 return f64::INFINITY;
             }
@@ -296,7 +326,7 @@ impl Goal {
 }
 
 /// The bias of the developed fluid's features: the mean ratio of the currents, and what covers the furthest level.
-fn bias(developed: &FluidResiduals) -> Bias {
+fn mean_bias(developed: &FluidResiduals) -> Bias {
     let ratios: Vec<f64> = developed.levels.iter().map(|level| 1.0 / (1.0 + 0.01 * level.current_percent)).collect();
     let current_ratio = ratios.iter().sum::<f64>() / ratios.len() as f64;
     let furthest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
@@ -304,5 +334,6 @@ fn bias(developed: &FluidResiduals) -> Bias {
         current_ratio,
         current_ratio_std: furthest(&mut ratios.iter().map(|ratio| ratio - current_ratio)),
         load_pressure_std_pa: furthest(&mut developed.levels.iter().map(|level| 1e3 * level.pressure_kpa)),
+        surface: None,
     }
 }

@@ -4,6 +4,7 @@
 //! Source: sections 3.2, 4.1.3 and chapter 5 of the thesis.
 //! Everything here is pure computation on a parameter set.
 
+pub mod bias;
 pub mod curves;
 pub mod derived;
 pub mod diagnostic;

@@ -118,29 +118,35 @@ impl Fitted {
     /// The monitoring model's parameters beside what they were in `before`, where those in `missing` were not.
     #[must_use]
     pub fn changes(&self, before: &ParameterSet, missing: &[String]) -> Vec<Change> {
-        let number = |value: &Value| match value {
-            Value::Number(number) => Some(*number),
-            Value::Text(_) => None,
-        };
-        let change = |(old, new): (Parameter, Parameter)| {
-            let was = number(&old.value).filter(|_| !missing.contains(&new.name));
-            let origin = match origin(&new.name) {
-                Origin::Kept if was.is_none() && flow_power(&new.name) != 0 => Origin::BuiltInScaled,
-                Origin::Kept if was.is_none() => Origin::BuiltIn,
-                origin => origin,
-            };
-            let unit = new.limits.map_or("", |limits| limits.unit);
-            Some(Change { old: was, new: number(&new.value)?, origin, unit, name: new.name })
-        };
-        let own = |name: &str| name.starts_with("monitoring.");
-        before
-            .parameters()
-            .into_iter()
-            .zip(self.set.parameters())
-            .filter(|(_, new)| own(&new.name))
-            .filter_map(change)
-            .collect()
+        changes(before, &self.set, missing)
     }
+}
+
+/// The monitoring model's parameters in a set beside what they were in `before`, where those in `missing` were not.
+#[must_use]
+pub fn changes(before: &ParameterSet, after: &ParameterSet, missing: &[String]) -> Vec<Change> {
+    let number = |value: &Value| match value {
+        Value::Number(number) => Some(*number),
+        Value::Text(_) => None,
+    };
+    let change = |(old, new): (Parameter, Parameter)| {
+        let was = number(&old.value).filter(|_| !missing.contains(&new.name));
+        let origin = match origin(&new.name) {
+            Origin::Kept if was.is_none() && flow_power(&new.name) != 0 => Origin::BuiltInScaled,
+            Origin::Kept if was.is_none() => Origin::BuiltIn,
+            origin => origin,
+        };
+        let unit = new.limits.map_or("", |limits| limits.unit);
+        Some(Change { old: was, new: number(&new.value)?, origin, unit, name: new.name })
+    };
+    let own = |name: &str| name.starts_with("monitoring.");
+    before
+        .parameters()
+        .into_iter()
+        .zip(after.parameters())
+        .filter(|(_, new)| own(&new.name))
+        .filter_map(change)
+        .collect()
 }
 
 /// The power of the jack's flow, and so of its area at the same velocity, that a parameter of the monitoring model has and that

@@ -14,7 +14,7 @@ use crate::models::parameters::ParameterSet;
 use crate::reproduction::table::Table;
 use crate::reproduction::{Name, plot, report, reproduce, text};
 
-/// What stands for every table.
+/// What stands for every table of the thesis.
 const ALL: &str = "all";
 /// Where the report goes unless told otherwise.
 const FOLDER: &str = "reproduction";
@@ -34,7 +34,7 @@ pub struct ReproduceArgs {
 }
 
 fn names() -> PossibleValuesParser {
-    PossibleValuesParser::new(Name::ALL.iter().map(|name| name.name()).chain([ALL]))
+    PossibleValuesParser::new(Name::EVERY.iter().map(|name| name.name()).chain([ALL]))
 }
 
 /// Runs the command.
@@ -64,8 +64,10 @@ pub fn run(args: &ReproduceArgs) -> Result<(), Failure> {
 }
 
 fn make(args: &ReproduceArgs, set: &ParameterSet) -> Result<Vec<Table>, Failure> {
-    let named: Vec<Name> =
-        Name::ALL.into_iter().filter(|name| args.table == ALL || args.table == name.name()).collect();
+    let named: Vec<Name> = match args.table.parse() {
+        Ok(name) => vec![name],
+        Err(_) => Name::ALL.into(),
+    };
     let bar = Bar::new("reproducing");
     let mut started = Instant::now();
     let tables = reproduce(&named, set, &bar, |table| {

@@ -222,7 +222,7 @@ mod tests {
         let channels = channels.into_iter().map(|c| (c, trace.channel(c).unwrap().to_vec())).collect();
         let trace = Trace::try_new(time_s, channels, Vec::new()).unwrap();
         let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
-        Evaluator::new(&trace, &features::measure(&trace, &found).unwrap(), &set)
+        Evaluator::new(&trace, &features::measure(&trace, &found, &set.shared()).unwrap(), &set)
     }
 
     #[test]

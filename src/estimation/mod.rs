@@ -4,6 +4,7 @@
 //! [`search`] proposes faults, which [`evaluate`] runs through the model in lock-step; [`uncertainty`] says how well the
 //! best is known; `plausibility` keeps back what should not be believed.
 
+mod asked;
 pub mod evaluate;
 pub mod features;
 pub mod manoeuvre;
@@ -187,7 +188,8 @@ fn by_features(
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
-    let measured = match features::measure(trace, &manoeuvre::find(trace.time_s(), trace.position_command_m())) {
+    let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
+    let measured = match features::measure(trace, &found, &set.shared()) {
         Ok(measured) => measured,
         Err(reasons) => return Ok(Estimate::inconclusive(set, settings, reasons)),
     };
@@ -198,8 +200,8 @@ fn by_features(
     let bias = &set.monitoring_model().bias;
     let evaluator = Evaluator::new(trace, &measured, set);
     let found = search::search(&evaluator, &measured, bias, settings, watch)?;
-    let modelled = evaluator.features(&[found.proposal])[0];
-    let mut estimate = Estimate::inconclusive(set, settings, misfits(&measured.features, &modelled, bias));
+    let modelled = search::corrected(&evaluator, bias, &[found.proposal])[0];
+    let mut estimate = Estimate::inconclusive(set, settings, misfits(&measured.features, &modelled));
     estimate.cost = Some(found.cost);
     estimate.evaluations = found.evaluations;
     if !estimate.reasons.is_empty() {

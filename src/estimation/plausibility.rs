@@ -4,7 +4,6 @@
 use super::features::{Features, Measured};
 use super::manoeuvre::{self, Window};
 use super::request::Requested;
-use crate::models::monitoring::Bias;
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::{Channel, Trace};
 use crate::numeric::statistics::{mean_between, range, window};
@@ -156,10 +155,9 @@ fn other_supply(trace: &Trace, nominal_pa: f64) -> Option<String> {
     Some(format!("a supply pressure of {found_mpa:.2} MPa was recorded, the model has {:.2} MPa", nominal_pa * 1e-6))
 }
 
-/// Why the model at its best does not explain a trace.
-pub fn misfits(measured: &Features, modelled: &Features, bias: &Bias) -> Vec<String> {
-    let current_a = bias.current_ratio * modelled.servovalve_current_a;
-    let step_current_a = bias.current_ratio * modelled.step_current_a;
+/// Why the model at its best, corrected by the known bias, does not explain a trace.
+pub fn misfits(measured: &Features, modelled: &Features) -> Vec<String> {
+    let Features { servovalve_current_a: current_a, step_current_a, .. } = *modelled;
     let scale = |one: f64, other: f64| one.abs().max(other.abs());
     let rows = [
         ("the ramp's current, A", measured.servovalve_current_a, current_a, MISFIT_MAX, current_a),

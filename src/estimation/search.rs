@@ -44,12 +44,19 @@ pub struct Wide {
     pub evaluations: u64,
 }
 
-/// The thesis's objective (figure 7.16), with a ratio in place of its 0.15 mA.
+/// The thesis's objective (figure 7.16), of a model that is corrected by more than its 0.15 mA.
 #[must_use]
-pub fn objective(measured: &Features, modelled: &Features, bias: &Bias) -> f64 {
-    let current_a = measured.servovalve_current_a - bias.current_ratio * modelled.servovalve_current_a;
+pub fn objective(measured: &Features, modelled: &Features) -> f64 {
+    let current_a = measured.servovalve_current_a - modelled.servovalve_current_a;
     let pressure_pa = measured.load_pressure_pa - modelled.load_pressure_pa;
     PRESSURE_WEIGHT_PER_PA * pressure_pa.abs() + CURRENT_WEIGHT_PER_MA * (current_a * 1e3).abs()
+}
+
+/// The features of each proposal, corrected by the known difference between the models.
+#[must_use]
+pub fn corrected(evaluator: &Evaluator, bias: &Bias, proposals: &[Proposal]) -> Vec<Features> {
+    let features = evaluator.features(proposals);
+    proposals.iter().zip(features).map(|(p, modelled)| modelled.corrected(&bias.at(p.kgm, p.fdj_n))).collect()
 }
 
 /// Searches the thesis's bounds: KGM 0 to 1, FDJ 200 to 2000 N.
@@ -66,8 +73,8 @@ pub fn search(
     let bounds = Bounds::new(&[(0.0, 1.0), (FDJ_NOMINAL_N, FDJ_MAX_N)]);
     let costs = |candidates: &[Candidate]| -> Vec<f64> {
         let proposals: Vec<Proposal> = candidates.iter().map(|c| Proposal { kgm: c[0], fdj_n: c[1] }).collect();
-        let features = evaluator.features(&proposals);
-        features.iter().map(|modelled| objective(&measured.features, modelled, bias)).collect()
+        let features = corrected(evaluator, bias, &proposals);
+        features.iter().map(|modelled| objective(&measured.features, modelled)).collect()
     };
     let found = minimise(&bounds, POLISH, &costs, settings, watch)?;
     let proposal = |candidate: &Candidate| Proposal { kgm: candidate[0], fdj_n: candidate[1] };

@@ -7,6 +7,7 @@ use nalgebra::{Matrix2, Vector2};
 
 use super::evaluate::{Evaluator, Proposal};
 use super::features::{Features, Measured};
+use super::search::corrected;
 use crate::models::fault::{FDJ_MAX_N, FDJ_NOMINAL_N};
 use crate::models::monitoring::Bias;
 
@@ -24,27 +25,29 @@ pub fn standard_deviations(evaluator: &Evaluator, at: Proposal, measured: &Measu
     // On a bound the differences are taken just inside it.
     let kgm = at.kgm.clamp(STEP.kgm, 1.0 - STEP.kgm);
     let fdj_n = at.fdj_n.clamp(FDJ_NOMINAL_N + STEP.fdj_n, FDJ_MAX_N - STEP.fdj_n);
-    let around = evaluator.features(&[
+    let steps = [
         Proposal { kgm: kgm - STEP.kgm, fdj_n },
         Proposal { kgm: kgm + STEP.kgm, fdj_n },
         Proposal { kgm, fdj_n: fdj_n - STEP.fdj_n },
         Proposal { kgm, fdj_n: fdj_n + STEP.fdj_n },
-    ]);
+    ];
+    let around = corrected(evaluator, bias, &steps);
     let slope =
         |of: fn(&Features) -> f64, low: usize, step: f64| (of(&around[low + 1]) - of(&around[low])) / (2.0 * step);
     let current = |f: &Features| f.servovalve_current_a;
     let pressure = |f: &Features| f.load_pressure_pa;
     let slopes = Matrix2::new(
-        bias.current_ratio * slope(current, 0, STEP.kgm),
-        bias.current_ratio * slope(current, 2, STEP.fdj_n),
+        slope(current, 0, STEP.kgm),
+        slope(current, 2, STEP.fdj_n),
         slope(pressure, 0, STEP.kgm),
         slope(pressure, 2, STEP.fdj_n),
     );
     let errors = measured.standard_errors;
+    let known = bias.at(at.kgm, at.fdj_n);
     let current_a = errors
         .servovalve_current_a
-        .hypot(bias.current_ratio_std / bias.current_ratio * measured.features.servovalve_current_a);
-    let pressure_pa = errors.load_pressure_pa.hypot(bias.load_pressure_std_pa);
+        .hypot(known.current_ratio_std / known.current_ratio * measured.features.servovalve_current_a);
+    let pressure_pa = errors.load_pressure_pa.hypot(known.load_pressure_std_pa);
     let inverse = slopes.try_inverse()?;
     let spread = Matrix2::from_diagonal(&Vector2::new(current_a * current_a, pressure_pa * pressure_pa));
     let covariance = inverse * spread * inverse.transpose();

@@ -148,6 +148,11 @@ impl Checks {
         }
     }
 
+    /// Notes what no range can say.
+    pub(crate) fn refuse(&mut self, error: ParamsError) {
+        self.errors.push(error);
+    }
+
     /// As [`Checks::within`], where other values draw the range closer. While a value is known to be wrong the range is
     /// the plain one: a wrong value draws nothing.
     pub(crate) fn within_drawn(

@@ -8,31 +8,6 @@ pub trait Watch: Sync {
     fn cancelled(&self) -> bool;
 }
 
-/// A part of long work, from one fraction of it to another.
-pub struct Part<'a> {
-    whole: &'a dyn Watch,
-    from: f64,
-    to: f64,
-}
-
-impl<'a> Part<'a> {
-    /// The part between two fractions of the whole.
-    #[must_use]
-    pub fn new(whole: &'a dyn Watch, from: f64, to: f64) -> Self {
-        Self { whole, from, to }
-    }
-}
-
-impl Watch for Part<'_> {
-    fn progress(&self, fraction: f64) {
-        self.whole.progress(self.from + (self.to - self.from) * fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.whole.cancelled()
-    }
-}
-
 /// Nobody looks on.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Unwatched;
@@ -42,5 +17,25 @@ impl Watch for Unwatched {
 
     fn cancelled(&self) -> bool {
         false
+    }
+}
+
+/// A part of longer work: its progress runs between two fractions of the whole.
+pub struct Stretch<'a> {
+    /// Who looks on at the whole.
+    pub watch: &'a dyn Watch,
+    /// Where the part begins.
+    pub from: f64,
+    /// Where it ends.
+    pub to: f64,
+}
+
+impl Watch for Stretch<'_> {
+    fn progress(&self, fraction: f64) {
+        self.watch.progress(self.from + (self.to - self.from) * fraction);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.watch.cancelled()
     }
 }

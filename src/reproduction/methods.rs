@@ -57,7 +57,7 @@ pub fn compare(set: &ParameterSet, watch: &dyn Watch) -> Result<Vec<Score>, Repr
         let recipe = recipe(ModelKind::Reference, Drive::Diagnostic, (kgm, fdj_n), 6.0, 1e3);
         let trace = simulate(&recipe, set, quiet)?;
         let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
-        let measured = features::measure(&trace, &found).expect("a diagnostic run shows its features");
+        let measured = features::measure(&trace, &found, &set.shared()).expect("a diagnostic run shows its features");
         let evaluator = Evaluator::new(&trace, &measured, set);
         let bias = &set.monitoring_model().bias;
         let mut searches = Vec::new();

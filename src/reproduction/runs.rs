@@ -56,32 +56,13 @@ impl Watch for Quiet<'_> {
     }
 }
 
-/// A part of longer work: its progress runs between two fractions of the whole.
-pub struct Stretch<'a> {
-    /// Who looks on at the whole.
-    pub watch: &'a dyn Watch,
-    /// Where the part begins.
-    pub from: f64,
-    /// Where it ends.
-    pub to: f64,
-}
-
-impl Watch for Stretch<'_> {
-    fn progress(&self, fraction: f64) {
-        self.watch.progress(self.from + (self.to - self.from) * fraction);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.watch.cancelled()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::sync::Mutex;
 
     use super::*;
     use crate::models::simulate::SimulationError;
+    use crate::numeric::watch::Stretch;
 
     struct Kept(Mutex<Vec<f64>>);
 

@@ -15,11 +15,13 @@ pub struct Column {
 }
 
 /// The quantities' names as people read them: the first word is set apart from what follows it.
-const NAMES: [(&str, &str); 12] = [
+const NAMES: [(&str, &str); 14] = [
     ("current_ma", "Cor, mA"),
     ("pressure_kpa", "P12, kPa"),
     ("kgm_estimated", "KGM"),
     ("fdj_estimated_n", "FDJ, N"),
+    ("kgm_std", "standard deviation of KGM"),
+    ("fdj_std_n", "standard deviation of FDJ, N"),
     ("kgm_estimated_worst_seed", "KGM, worst seed"),
     ("fdj_estimated_worst_seed_n", "FDJ, worst seed, N"),
     ("pressure_gain_pa_per_m", "pressure gain GP, Pa/m"),

@@ -18,6 +18,7 @@ mod http_uploads;
 mod jobs;
 mod models;
 mod parameter_files;
+mod ramp_current;
 mod reproduction;
 mod simulate;
 mod store_contract;

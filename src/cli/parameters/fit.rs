@@ -8,12 +8,14 @@ use std::time::Instant;
 use anyhow::{Context, anyhow};
 
 use super::{FitArgs, load};
-use crate::characterisation::fit::{FitError, fit};
-use crate::characterisation::report::{Change, Fitted, Origin, Residual};
+use crate::characterisation::fit::{FitError, fit, measure_bias};
+use crate::characterisation::report::{Change, Fitted, Origin, Residual, ZeroFlow, changes};
 use crate::cli::progress::Bar;
 use crate::cli::{Failure, print};
 use crate::models::checks::Short;
+use crate::models::monitoring::bias::Surface;
 use crate::models::monitoring::fluid::FluidModel;
+use crate::models::parameters::ParameterSet;
 
 /// Runs the command.
 pub fn run(args: &FitArgs) -> Result<(), Failure> {
@@ -23,11 +25,23 @@ pub fn run(args: &FitArgs) -> Result<(), Failure> {
     }
     let started = Instant::now();
     let (before, missing) = load::for_fit(&args.set)?;
+    if args.bias_only && !missing.is_empty() {
+        return Err(Failure::usage(anyhow!(
+            "{}: found no {}, expected it with --bias-only",
+            args.set.display(),
+            missing[0]
+        )));
+    }
     let bar = Bar::new("fitting");
-    let fitted = fit(&before, &bar).map_err(|error| failed(&args.set, error))?;
+    let made =
+        if args.bias_only { measure_bias(&before, &bar).map(Made::Bias) } else { fit(&before, &bar).map(Made::Fit) };
+    let made = made.map_err(|error| failed(&args.set, error))?;
     bar.finish();
-    let changes = fitted.changes(&before, &missing);
-    let written = || load::rewritten(&args.set, &changes);
+    let set = made.set();
+    let all = changes(&before, set, &missing);
+    let changes: Vec<Change> =
+        all.into_iter().filter(|change| !args.bias_only || change.origin == Origin::Measured).collect();
+    let written = || load::rewritten(&args.set, &changes, set.bias_surface_toml().as_deref());
     if to_stdout {
         return print(&written()?);
     }
@@ -35,17 +49,35 @@ pub fn run(args: &FitArgs) -> Result<(), Failure> {
         fs::write(out, written()?).with_context(|| out.display().to_string()).map_err(Failure::work)?;
     }
     if args.json {
-        let document = serde_json::json!({
-            "name": fitted.set.name(),
-            "hash": fitted.set.hash(),
+        let mut document = serde_json::json!({
+            "name": set.name(),
+            "hash": set.hash(),
             "parameters": changes,
-            "zero_flow": fitted.zero_flow,
-            "features": fitted.fluids,
+            "bias_surface": set.monitoring_model().bias.surface,
             "elapsed_s": started.elapsed().as_secs_f64(),
         });
+        if let Made::Fit(fitted) = &made {
+            document["zero_flow"] = serde_json::to_value(fitted.zero_flow).map_err(Failure::work)?;
+            document["features"] = serde_json::to_value(&fitted.fluids).map_err(Failure::work)?;
+        }
         return print(&(serde_json::to_string_pretty(&document).map_err(Failure::work)? + "\n"));
     }
-    print(&told(&fitted, &changes, args.out.as_deref()))
+    print(&told(&made, &changes, args.out.as_deref()))
+}
+
+/// What was made.
+enum Made {
+    Fit(Fitted),
+    Bias(ParameterSet),
+}
+
+impl Made {
+    fn set(&self) -> &ParameterSet {
+        match self {
+            Self::Fit(fitted) => &fitted.set,
+            Self::Bias(set) => set,
+        }
+    }
 }
 
 /// A set that cannot be fitted is bad input; the rest is the work's failure.
@@ -57,8 +89,8 @@ fn failed(set: &Path, error: FitError) -> Failure {
 }
 
 /// A report for a person.
-fn told(fitted: &Fitted, changes: &[Change], out: Option<&Path>) -> String {
-    let mut text = format!("{} {}\n\n", fitted.set.name(), fitted.set.hash());
+fn told(made: &Made, changes: &[Change], out: Option<&Path>) -> String {
+    let mut text = format!("{} {}\n\n", made.set().name(), made.set().hash());
     let _ = writeln!(text, "{:<56} {:>12} {:>12}  {:<12}", "parameter", "before", "now", "unit");
     for change in changes {
         let origin = match change.origin {
@@ -73,18 +105,53 @@ fn told(fitted: &Fitted, changes: &[Change], out: Option<&Path>) -> String {
         let (name, now, unit) = (&change.name, short(change.new), change.unit);
         let _ = writeln!(text, "{name:<56} {before:>12} {now:>12}  {unit:<12} {origin}");
     }
-    let zero = &fitted.zero_flow;
-    let _ = writeln!(
-        text,
+    if let Some(surface) = &made.set().monitoring_model().bias.surface {
+        text += &surface_told(surface);
+    }
+    if let Made::Fit(fitted) = made {
+        text += &(zero_flow(&fitted.zero_flow) + &features(fitted));
+    }
+    text + &out.map_or_else(String::new, |out| format!("\nwritten to {}\n", out.display()))
+}
+
+/// What the surface of the bias says.
+fn surface_told(surface: &Surface) -> String {
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
+    };
+    let ratio = range(&mut surface.current_ratio.iter().flatten().copied());
+    let pressure_pa = range(&mut surface.load_pressure_difference_pa.iter().flatten().copied());
+    let (ratio_std, pressure_std_pa) = (
+        range(&mut surface.current_ratio_std.iter().copied()),
+        range(&mut surface.load_pressure_std_pa.iter().copied()),
+    );
+    format!(
+        "\nsurface of the bias, {} by {} levels: current ratio {:.5} to {:.5}, {:.5} to {:.5} about it; pressure difference {:.1} to \
+         {:.1} Pa, {:.1} to {:.1} Pa about it\n",
+        surface.kgm.len(),
+        surface.fdj_n.len(),
+        ratio.0,
+        ratio.1,
+        ratio_std.0,
+        ratio_std.1,
+        pressure_pa.0,
+        pressure_pa.1,
+        pressure_std_pa.0,
+        pressure_std_pa.1,
+    )
+}
+
+/// What is left of the zero-flow curve.
+fn zero_flow(zero: &ZeroFlow) -> String {
+    format!(
         "\nPSR tanh(XS/XSS) against the reference valve's pressure at zero flow, within {:.2} mm: RMS {:.3} MPa ({:.2} % of \
-         PSR), worst {:.3} MPa at {:.0} um",
+         PSR), worst {:.3} MPa at {:.0} um\n",
         zero.reach_m * 1e3,
         zero.rms_pa * 1e-6,
         zero.rms_of_supply * 1e2,
         zero.worst_pa * 1e-6,
         zero.worst_at_m * 1e6,
-    );
-    text + &features(fitted) + &out.map_or_else(String::new, |out| format!("\nwritten to {}\n", out.display()))
+    )
 }
 
 /// The differences of the features, a row for each level.

@@ -45,9 +45,9 @@ pub fn for_fit(name_or_file: &Path) -> Result<(ParameterSet, Vec<String>), Failu
     ParameterSet::parse(&table.to_string()).map(|set| (set, names)).map_err(|errors| refused(&name, &errors))
 }
 
-/// The text of a set with other values of the monitoring model's parameters; everything else stays as it was written, with its
-/// remarks.
-pub fn rewritten(name_or_file: &Path, changes: &[Change]) -> Result<String, Failure> {
+/// The text of a set with other values of the monitoring model's parameters, and another surface of its bias (a section of a file);
+/// everything else stays as it was written, with its remarks.
+pub fn rewritten(name_or_file: &Path, changes: &[Change], surface: Option<&str>) -> Result<String, Failure> {
     let text = if is_built_in(name_or_file) { ParameterSet::reference().to_toml() } else { read(name_or_file)? };
     let name = name_or_file.display();
     let mut document: DocumentMut = text.parse().with_context(|| name.to_string()).map_err(Failure::usage)?;
@@ -67,6 +67,33 @@ pub fn rewritten(name_or_file: &Path, changes: &[Change]) -> Result<String, Fail
         table[key] = Item::Value(number(*new));
         if let (Some(value), Some(remark)) = (table[key].as_value_mut(), remark) {
             *value.decor_mut() = remark;
+        }
+    }
+    match surface {
+        Some(surface) => with_surface(document, surface),
+        None => Ok(document.to_string()),
+    }
+}
+
+/// The document with another surface of the bias, in its old one's place; its remark on the section stays.
+fn with_surface(mut document: DocumentMut, section: &str) -> Result<String, Failure> {
+    let read: DocumentMut = section.parse().map_err(Failure::work)?;
+    let bias = document["monitoring"]["bias"].as_table_mut();
+    let (Some(bias), Some(new)) = (bias, read["monitoring"]["bias"]["surface"].as_table()) else {
+        return Err(Failure::work(anyhow!("the surface of the bias has no section")));
+    };
+    match bias.get_mut("surface").and_then(Item::as_table_mut) {
+        Some(old) => {
+            old.retain(|key, _| new.contains_key(key));
+            for (key, values) in new {
+                old[key] = values.clone();
+            }
+        }
+        None => {
+            let mut section = Table::new();
+            section.decor_mut().set_prefix("\n");
+            section.extend(new.iter().map(|(key, values)| (key.to_owned(), values.clone())));
+            bias.insert("surface", Item::Table(section));
         }
     }
     Ok(document.to_string())
@@ -135,15 +162,32 @@ mod tests {
         let changes =
             [change("monitoring.fluid.spool_saturation_m", 41e-6), change("monitoring.bias.current_ratio", 1.5)];
         let (_folder, path) = file(&whole);
-        let text = rewritten(&path, &changes).unwrap();
+        let text = rewritten(&path, &changes, None).unwrap();
         assert_eq!(text.matches('#').count(), whole.matches('#').count());
         let set = ParameterSet::parse(&text).unwrap();
         assert_eq!(set.monitoring_model().fluid.spool_saturation_m, 41e-6);
         assert_eq!(set.monitoring_model().bias.current_ratio, 1.5);
         assert_eq!(set.reference_model(), ParameterSet::reference().reference_model());
         let (_folder, bare) = file(&whole[..whole.find("[monitoring.first_stage]").unwrap()]);
-        let text = rewritten(&bare, &changes).unwrap();
+        let text = rewritten(&bare, &changes, None).unwrap();
         assert!(text.contains("[monitoring.fluid]") && text.starts_with("# mine"), "{text}");
+    }
+
+    #[test]
+    fn a_surface_of_the_bias_takes_the_old_one_s_place_or_a_section_of_its_own() {
+        let whole = ParameterSet::reference().to_toml();
+        let surface = "[monitoring.bias.surface]\nkgm = [0.0, 0.5]\nfdj_n = [200.0, 900.0]\ncurrent_ratio = [[1.0, 1.0], [1.0, 1.1]]\n\
+                       current_ratio_std = [0.0, 0.0]\nload_pressure_difference_pa = [[0.0, 0.0], [0.0, 0.0]]\n\
+                       load_pressure_std_pa = [1.0, 1.0]\n";
+        let without = &whole[..whole.find("\n[monitoring.bias.surface]").unwrap()];
+        for text in [whole.as_str(), without] {
+            let (_folder, path) = file(text);
+            let written = rewritten(&path, &[], Some(surface)).unwrap();
+            assert_eq!(written.matches('#').count(), text.matches('#').count());
+            assert_eq!(written.matches("[monitoring.bias.surface]").count(), 1, "{written}");
+            let set = ParameterSet::parse(&written).unwrap();
+            assert_eq!(set.monitoring_model().bias.surface.as_ref().unwrap().kgm, [0.0, 0.5]);
+        }
     }
 
     #[test]

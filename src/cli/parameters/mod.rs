@@ -56,6 +56,9 @@ struct FitArgs {
     /// The built-in set's name, or a file (TOML)
     #[arg(value_name = "NAME|FILE", default_value = ParameterSet::reference_name())]
     set: PathBuf,
+    /// Measure only the bias between the models, and leave the monitoring model as it is
+    #[arg(long)]
+    bias_only: bool,
     /// Where to write the whole set with its fitted values (TOML); - is standard output, without the report
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,

@@ -17,7 +17,7 @@ use crate::models::fault::Faults;
 use crate::models::parameters::ParameterSet;
 use crate::models::simulate::SimulationError;
 use crate::models::trace::Trace;
-use crate::numeric::watch::{Part, Watch};
+use crate::numeric::watch::{Stretch, Watch};
 use crate::optimiser::polish::simplex;
 use crate::optimiser::{Bounds, Candidate};
 use fit::{Fitted, fit};
@@ -57,8 +57,9 @@ pub fn estimate(
     let mut estimate = Estimate::inconclusive(set, settings, Vec::new());
     estimate.evaluations = wide.evaluations;
     let start = proposal(&faults, &wide.best.candidate);
-    let refined = surface::feel_noise(&mut observations, &start, set, settings.seed, &Part::new(watch, 0.5, 0.5))
-        .and_then(|()| refine(start, &faults, &observations, set, watch));
+    let refined =
+        surface::feel_noise(&mut observations, &start, set, settings.seed, &Stretch { watch, from: 0.5, to: 0.5 })
+            .and_then(|()| refine(start, &faults, &observations, set, watch));
     match refined {
         Ok(Some(fitted)) => {
             estimate.cost = Some(fitted.cost);
@@ -91,7 +92,7 @@ fn search(
             .map(|cost| if cost.is_finite() { cost / informative } else { f64::MAX })
             .collect()
     };
-    minimise(&bounds, POLISH, &costs, settings, &Part::new(watch, 0.0, 0.5))
+    minimise(&bounds, POLISH, &costs, settings, &Stretch { watch, from: 0.0, to: 0.5 })
 }
 
 fn wanted(observations: &Observations) -> Wanted {
@@ -126,7 +127,8 @@ fn refine(
     for round in 0..SURFACES_MAX {
         let (from, to) = (round as f64, (round + 1) as f64);
         let part = |round: f64| 0.5 + 0.5 * round / SURFACES_MAX as f64;
-        let surface = Surface::learn(&at, faults, runs, observations, set, &Part::new(watch, part(from), part(to)))?;
+        let surface =
+            Surface::learn(&at, faults, runs, observations, set, &Stretch { watch, from: part(from), to: part(to) })?;
         let Some(found) = fit(&at, faults, runs, observations, &surface) else { return Ok(None) };
         let moved = |fault: &Fault| (fault.of(&found.faults) - fault.of(&at)).abs() / spacing(*fault, fault.of(&at));
         let stays = faults.iter().all(|fault| moved(fault) <= STAYS);

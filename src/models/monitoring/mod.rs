@@ -6,6 +6,7 @@
 //! Range: the semi-implicit step up to 2e-5 s for any fault; [`large_step`] up to 5e-4 s.
 //! Limits: Karnopp friction, no hysteresis, no leakage but the jack's; the spool's speed does not vary with the supply.
 
+pub mod bias;
 pub mod first_stage;
 pub mod fluid;
 pub mod large_step;
@@ -17,11 +18,12 @@ use super::blocks::friction::{Levels, karnopp};
 use super::blocks::{Input, Shared, controller, end_stop, jack, torque_motor};
 use super::checks::Checks;
 use crate::numeric::lane::Lane;
+pub use bias::Bias;
 use fluid::FluidModel;
 use wear::Wear;
 
 /// What the monitoring model has of its own.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Params {
     /// The flapper.
@@ -57,18 +59,6 @@ pub struct Friction {
     pub velocity_dead_band_m_per_s: f64,
 }
 
-/// The known difference between the two models' features, with its spread.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Bias {
-    /// Steady current of the reference model over this model's, dimensionless.
-    pub current_ratio: f64,
-    /// Standard deviation of that ratio over the fault levels.
-    pub current_ratio_std: f64,
-    /// Standard deviation of the difference of the pressure features, Pa.
-    pub load_pressure_std_pa: f64,
-}
-
 impl Params {
     pub(crate) fn check(&self, checks: &mut Checks) {
         self.first_stage.check(checks);
@@ -80,9 +70,7 @@ impl Params {
         self.wear.check(checks);
         let band = self.friction.velocity_dead_band_m_per_s;
         checks.within("monitoring.friction.velocity_dead_band_m_per_s", band, 1e-9, 1e-2, "m/s");
-        checks.within("monitoring.bias.current_ratio", self.bias.current_ratio, 0.5, 2.0, "");
-        checks.within("monitoring.bias.current_ratio_std", self.bias.current_ratio_std, 0.0, 0.5, "");
-        checks.within("monitoring.bias.load_pressure_std_pa", self.bias.load_pressure_std_pa, 0.0, 1e6, "Pa");
+        self.bias.check(checks);
     }
 }
 

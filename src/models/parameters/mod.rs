@@ -262,7 +262,18 @@ impl ParameterSet {
                 None => writeln!(text, "{line}"),
             };
         }
-        text
+        text + &self.bias_surface_toml().map_or_else(String::new, |surface| format!("\n{surface}"))
+    }
+
+    /// The section of the bias's surface as it is written in a file; `None` where the set has none.
+    #[must_use]
+    pub fn bias_surface_toml(&self) -> Option<String> {
+        let surface = self.values.monitoring.bias.surface.as_ref()?;
+        let mut text = String::from("[monitoring.bias.surface]\n");
+        Tree::of(surface).leaves("", &mut |key, leaf| {
+            let _ = writeln!(text, "{key} = {}", leaf.array_text());
+        });
+        Some(text)
     }
 }
 

@@ -11,6 +11,9 @@ use super::tree::{Tree, join};
 use super::{REFERENCE, Values};
 use crate::models::checks::{Checks, Limits, ParamsError};
 
+/// The section that a set may lack.
+const OPTIONAL: &str = "monitoring.bias.surface";
+
 /// What the built-in set tells of every set.
 pub(super) struct BuiltIn {
     pub(super) values: Values,
@@ -55,6 +58,10 @@ impl BuiltIn {
     /// What a parameter may be, in words.
     fn expected(&self, name: &str) -> String {
         match (self.limits.iter().find(|limits| limits.name == name), self.tree.at(name)) {
+            (Some(limits), Some(Tree::Array(items))) => match items.first() {
+                Some(Tree::Array(_)) => format!("rows of numbers, each {limits}"),
+                _ => format!("an array of numbers, each {limits}"),
+            },
             (Some(limits), _) => limits.to_string(),
             (None, Some(Tree::Text(_))) => "a text".into(),
             (None, Some(Tree::Table(_))) => "a table of parameters".into(),
@@ -104,6 +111,8 @@ pub(super) fn values(mut tree: Tree) -> Result<Values, Vec<ParamsError>> {
             ParamsError::OutOfRange { limits, .. } => {
                 !repaired.contains(limits.name) && (whole || !built_in.drawn_by_others.contains(limits.name))
             }
+            // A size that does not go with a repaired axis.
+            ParamsError::Unreadable { .. } => whole,
             _ => true,
         }));
     }
@@ -158,8 +167,13 @@ impl Reader<'_> {
                     let inner = join(name, key);
                     match entries.iter_mut().find(|(found, _)| found == key) {
                         Some((_, value)) => self.shape(value, model, &inner),
+                        None if inner == OPTIONAL => {}
                         None => {
-                            model.leaves(&inner, &mut |leaf, _| self.missing(leaf));
+                            model.leaves(&inner, &mut |leaf, _| {
+                                if !leaf.starts_with(OPTIONAL) {
+                                    self.missing(leaf);
+                                }
+                            });
                             entries.push((key.clone(), model.clone()));
                         }
                     }
@@ -172,6 +186,7 @@ impl Reader<'_> {
                     self.repair(found, model, name);
                 }
             }
+            (Tree::Array(items), Tree::Array(model)) if items_alike(items, model) => {}
             _ => self.repair(found, model, name),
         }
     }
@@ -217,6 +232,15 @@ impl Reader<'_> {
             *place = model.clone();
         }
     }
+}
+
+/// Whether an array has numbers where the model's has, and such arrays where the model's has.
+fn items_alike(found: &[Tree], model: &[Tree]) -> bool {
+    found.iter().all(|item| match (item, model.first()) {
+        (Tree::Array(inner), Some(Tree::Array(model))) => items_alike(inner, model),
+        (Tree::Integer(_) | Tree::Float(_), Some(Tree::Float(_))) => true,
+        _ => false,
+    })
 }
 
 /// A tree in its types, or the path of what does not fit and why.

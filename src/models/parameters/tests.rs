@@ -64,6 +64,32 @@ fn every_parameter_of_a_missing_section_is_named() {
 }
 
 #[test]
+fn a_set_may_lack_the_surface_of_the_bias_and_one_that_has_it_has_all_of_it() {
+    let start = REFERENCE.find("[monitoring.bias.surface]").unwrap();
+    let without = ParameterSet::parse(&REFERENCE[..start]).unwrap();
+    assert_eq!(without.monitoring_model().bias.surface, None);
+    assert_ne!(without.hash(), ParameterSet::reference().hash());
+    assert_eq!(ParameterSet::parse(&without.to_toml()), Ok(without.clone()));
+    assert_eq!(ParameterSet::from_json("reference", &without.to_json()), Ok(without));
+    let of = "monitoring.bias.surface.";
+    let told = |surface: &str| -> Vec<String> {
+        let text = format!("{}[monitoring.bias.surface]\n{surface}", &REFERENCE[..start]);
+        ParameterSet::parse(&text).unwrap_err().iter().map(ToString::to_string).collect()
+    };
+    let whole = "kgm = [0, 1]\nfdj_n = [200.0, 900]\ncurrent_ratio = [[1.0, 1.0], [1.0, 1.1]]\ncurrent_ratio_std = [0.0, 0.0]\n\
+                 load_pressure_difference_pa = [[0.0, 0.0], [0.0, 0.0]]\nload_pressure_std_pa = [1.0, 1.0]\n";
+    assert!(ParameterSet::parse(&format!("{}[monitoring.bias.surface]\n{whole}", &REFERENCE[..start])).is_ok());
+    let missing = told(&whole.replace("kgm = [0, 1]\n", ""));
+    assert_eq!(missing, [format!("{of}kgm: missing, expected an array of numbers, each 0 to 1")]);
+    let rows = told(&whole.replace("[[1.0, 1.0], [1.0, 1.1]]", "[1.0, 1.1]"));
+    assert_eq!(rows, [format!("{of}current_ratio: found an array, expected rows of numbers, each 0.5 to 2")]);
+    let size = told(&whole.replace("[1.0, 1.1]]", "[1.0]]"));
+    assert_eq!(size, [format!("{of}current_ratio: found 2 rows of 1 values, expected 2 rows of 2 values")]);
+    let text = told(&whole.replace("[0, 1]", "[0, \"a\"]"));
+    assert_eq!(text, [format!("{of}kgm: found an array, expected an array of numbers, each 0 to 1")]);
+}
+
+#[test]
 fn a_range_that_a_missing_parameter_draws_is_not_guessed() {
     let high = ("friction_dynamic_n = 0.1", "friction_dynamic_n = 5.0");
     assert_eq!(errors(&[high]).len(), 1);

@@ -1,14 +1,14 @@
-//! A parameter set before it is known to be one: whatever tables, numbers and texts a TOML or JSON document holds.
+//! A parameter set before it is known to be one: whatever tables, arrays, numbers and texts a TOML or JSON document holds.
 
 use std::fmt;
 
-use serde::de::{Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 /// The longest text that is shown of what was found.
 const SHOWN_CHARS_MAX: usize = 40;
 
-/// A document's values in its own order. Arrays, truth values and nulls are read, so that they can be named as wrong.
+/// A document's values in its own order. Truth values and nulls are read, so that they can be named as wrong.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Tree {
     /// A table.
@@ -19,14 +19,16 @@ pub enum Tree {
     Float(f64),
     /// A text.
     Text(String),
+    /// An array.
+    Array(Vec<Tree>),
     /// What no parameter is, in words.
     Other(&'static str),
 }
 
 impl Tree {
-    /// The tree of a value that has no arrays in it.
+    /// The tree of a value.
     pub(super) fn of(value: &impl Serialize) -> Self {
-        let value = toml::Value::try_from(value).expect("parameters are numbers and texts in tables");
+        let value = toml::Value::try_from(value).expect("parameters are numbers and texts in tables and arrays");
         Self::deserialize(value).expect("every value has a tree")
     }
 
@@ -38,6 +40,7 @@ impl Tree {
             Self::Integer(value) => value.to_string(),
             Self::Float(value) => value.to_string(),
             Self::Text(text) => format!("{:?}", text.chars().take(SHOWN_CHARS_MAX).collect::<String>()),
+            Self::Array(_) => "an array".into(),
             Self::Other(words) => (*words).into(),
         }
     }
@@ -66,6 +69,19 @@ impl Tree {
         }
     }
 
+    /// An array of numbers as TOML has it: on one line, or a line for each row.
+    pub(super) fn array_text(&self) -> String {
+        match self {
+            Self::Array(items) if matches!(items.first(), Some(Self::Array(_))) => {
+                let rows: String = items.iter().map(|row| format!("    {},\n", row.array_text())).collect();
+                format!("[\n{rows}]")
+            }
+            Self::Array(items) => format!("[{}]", items.iter().map(Self::array_text).collect::<Vec<_>>().join(", ")),
+            Self::Float(value) => format!("{value:?}"),
+            other => other.describe(),
+        }
+    }
+
     /// The document as TOML has it; what is no parameter is left out.
     pub(super) fn to_toml(&self) -> Option<toml::Value> {
         Some(match self {
@@ -75,6 +91,7 @@ impl Tree {
             Self::Integer(value) => toml::Value::Integer(*value),
             Self::Float(value) => toml::Value::Float(*value),
             Self::Text(text) => toml::Value::String(text.clone()),
+            Self::Array(items) => toml::Value::Array(items.iter().filter_map(Self::to_toml).collect()),
             Self::Other(_) => return None,
         })
     }
@@ -112,8 +129,11 @@ impl<'de> Visitor<'de> for AnyValue {
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Tree, A::Error> {
-        while seq.next_element::<IgnoredAny>()?.is_some() {}
-        Ok(Tree::Other("an array"))
+        let mut items = Vec::new();
+        while let Some(item) = seq.next_element()? {
+            items.push(item);
+        }
+        Ok(Tree::Array(items))
     }
 
     fn visit_bool<E>(self, value: bool) -> Result<Tree, E> {

@@ -3,14 +3,13 @@
 mod drawn;
 mod judged;
 
-use super::runs::Stretch;
 use super::table::{Comparison, Row, Table};
 use super::{Name, ReproductionError};
 use crate::characterisation::curves::{CurveModel, Curves, Gains, Series, curves};
 use crate::characterisation::settling::{Settling, THESIS_BELL, THESIS_SLOPE_S_PER_M3, TOLERANCE_PA, settling};
 use crate::models::fault::FDJ_NOMINAL_N;
 use crate::models::parameters::ParameterSet;
-use crate::numeric::watch::Watch;
+use crate::numeric::watch::{Stretch, Watch};
 
 /// Everything that is drawn and judged.
 struct Valve {

@@ -2,9 +2,8 @@
 
 use super::{Case, Found, clean, find, of_both, table};
 use crate::models::parameters::ParameterSet;
-use crate::numeric::watch::Watch;
+use crate::numeric::watch::{Stretch, Watch};
 use crate::reproduction::claims::Claim;
-use crate::reproduction::runs::Stretch;
 use crate::reproduction::table::{Comparison, Row, Table};
 use crate::reproduction::thesis::{KGM_LEVELS, Pair, TABLE_7_2, TABLE_CLEARANCE, TABLE_NOISE, cases};
 use crate::reproduction::{Name, ReproductionError};

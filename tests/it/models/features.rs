@@ -30,10 +30,21 @@ fn validate_the_current_ratio_and_the_pressure_difference_between_the_tables_fau
     let (_, pressure_std_pa) = spread(differences.iter().map(|d| d.1).collect());
     println!("ratio {ratio} +- {ratio_std}, pressure +- {pressure_std_pa} Pa");
     let set = ParameterSet::reference();
-    let bias = set.monitoring_model().bias;
+    let bias = &set.monitoring_model().bias;
     assert!((bias.current_ratio - ratio).abs() < 1e-4, "{ratio}");
     // Two values in truth, with and without the oscillation: the spread has to cover the further one.
     let furthest = differences.iter().map(|d| (d.0 - ratio).abs()).fold(0.0, f64::max);
     assert!((0.9..=1.1).contains(&(bias.current_ratio_std / furthest)), "{furthest}, standard deviation {ratio_std}");
     assert!((0.9..=3.0).contains(&(bias.load_pressure_std_pa / pressure_std_pa)), "{pressure_std_pa}");
+    // The surface, at levels of which it has none: quiet runs lie within its spread, which has room for a spool that rests.
+    let surface_off = pairs.iter().zip(&differences).map(|(&(kgm, fdj_n), &(ratio, pressure_pa))| {
+        let known = bias.at(kgm, fdj_n);
+        let off = (ratio - known.current_ratio, pressure_pa - known.load_pressure_pa);
+        assert!(off.0.abs() < 2.5 * known.current_ratio_std, "KGM {kgm}, FDJ {fdj_n}: {off:?}, {known:?}");
+        assert!(off.1.abs() < 3.0 * known.load_pressure_std_pa, "KGM {kgm}, FDJ {fdj_n}: {off:?}, {known:?}");
+        off.0.powi(2)
+    });
+    let surface_std = (surface_off.sum::<f64>() / pairs.len() as f64).sqrt();
+    println!("about the surface {surface_std}");
+    assert!(surface_std < 0.3 * ratio_std, "{surface_std}, about the mean {ratio_std}");
 }
