@@ -171,7 +171,8 @@ fn app(config: &Config, records: &SqliteRecords, traces: LocalTraces) -> App {
         risk_window: config.prognostics.risk_window,
     };
     let jobs = Jobs::new(Arc::clone(&records), Arc::clone(&traces), Arc::new(InProcess::default()), settings);
-    App { records, traces, jobs, limits: Limits::from(&config.http) }
+    let baseline_traces = config.prognostics.baseline_traces;
+    App { records, traces, jobs, baseline_traces, limits: Limits::from(&config.http) }
 }
 
 /// Creates the data folder where it is missing, and takes it for this process.

@@ -21,7 +21,7 @@ pub struct Config {
     pub jobs: JobsConfig,
     /// Where records and traces are kept.
     pub store: StoreConfig,
-    /// Forecasts.
+    /// Forecasts and baselines.
     pub prognostics: PrognosticsConfig,
     /// What is logged.
     pub log: LogConfig,
@@ -98,18 +98,20 @@ impl Default for StoreConfig {
     }
 }
 
-/// Forecasts.
+/// Forecasts and baselines.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PrognosticsConfig {
     /// A failure within this much further usage is the risk that orders the fleet, in the actuator's usage unit, above
     /// 0, at most 1 000 000.
     pub risk_window: f64,
+    /// The healthy traces that make an actuator's baseline, 1 to 100.
+    pub baseline_traces: usize,
 }
 
 impl Default for PrognosticsConfig {
     fn default() -> Self {
-        Self { risk_window: 100.0 }
+        Self { risk_window: 100.0, baseline_traces: 5 }
     }
 }
 
@@ -196,6 +198,7 @@ impl Config {
             ("jobs.attempts_max", f64::from(self.jobs.attempts_max), 1.0, 100.0),
             ("jobs.time_limit_s", self.jobs.time_limit_s, 1.0, 86_400.0),
             ("prognostics.risk_window", self.prognostics.risk_window, f64::MIN_POSITIVE, 1e6),
+            ("prognostics.baseline_traces", self.prognostics.baseline_traces as f64, 1.0, 100.0),
         ];
         ranges
             .into_iter()
@@ -262,9 +265,11 @@ mod tests {
 
     #[test]
     fn every_value_out_of_range_is_named_at_once() {
-        let error = from_toml("[jobs]\nqueue_limit = 0\n[prognostics]\nrisk_window = 0.0").unwrap_err();
+        let error =
+            from_toml("[jobs]\nqueue_limit = 0\n[prognostics]\nrisk_window = 0.0\nbaseline_traces = 0").unwrap_err();
         assert!(error.contains("jobs.queue_limit: found 0"), "{error}");
         assert!(error.contains("prognostics.risk_window: found 0"), "{error}");
+        assert!(error.contains("prognostics.baseline_traces: found 0, expected 1 to 100"), "{error}");
     }
 
     #[test]

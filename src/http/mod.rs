@@ -31,6 +31,8 @@ pub struct App {
     pub traces: Arc<dyn Traces>,
     /// The jobs.
     pub jobs: Jobs,
+    /// Healthy traces that make an actuator's baseline, at least 1.
+    pub baseline_traces: usize,
     /// What a request may cost.
     pub limits: Limits,
 }

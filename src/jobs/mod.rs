@@ -3,6 +3,7 @@
 //! A job's row in the store is the truth. The dispatch only wakes a worker, which then claims the row; whatever it finds
 //! counts only if its attempt still runs.
 
+pub mod baselines;
 pub mod dispatch;
 pub mod kind;
 pub mod run;

@@ -2,6 +2,7 @@
 //!
 //! Everything here is a pure function of its arguments. The model is written down in `docs/prognostics.md`.
 
+pub mod baseline;
 mod competing;
 mod forecast;
 mod history;

@@ -39,8 +39,22 @@ async fn a_row_of_the_history_has_exactly_the_promised_fields() {
     recorded(&service, &actuator, 1).await;
     let row = service.get(&format!("/v1/actuators/{actuator}/health")).await.value("/items/0");
     let names: Vec<_> = row.as_object().unwrap().keys().collect();
-    let promised =
-        ["faults", "fdj_n", "fdj_n_std", "job_id", "kgm", "kgm_std", "recorded_at", "trace_id", "usage", "verdict"];
+    let promised = [
+        "faults",
+        "fdj_n",
+        "fdj_n_growth",
+        "fdj_n_growth_std",
+        "fdj_n_std",
+        "job_id",
+        "kgm",
+        "kgm_growth",
+        "kgm_growth_std",
+        "kgm_std",
+        "recorded_at",
+        "trace_id",
+        "usage",
+        "verdict",
+    ];
     assert_eq!(names, promised);
     assert_eq!(row["faults"], json!({}));
 }

@@ -6,6 +6,7 @@ mod cli_parameters;
 mod estimation;
 mod house;
 mod http_actuators;
+mod http_baseline;
 mod http_estimations;
 mod http_health;
 mod http_jobs;

@@ -3,6 +3,7 @@
 
 pub mod accepted;
 pub mod actuator;
+pub mod baseline;
 pub mod check;
 pub mod estimation;
 pub mod fleet;

@@ -3,7 +3,7 @@
 import { badge, command } from "./fleet.js";
 import { h, reconcile } from "./dom.js";
 import { figureOf } from "./figure.js";
-import { FAULTS, amount, faultLimit, faultValue, fixed, interval90, median, percent, unitName, when } from "./format.js";
+import { FAULTS, amount, faultGrowth, faultLimit, faultValue, fixed, interval90, median, percent, unitName, when } from "./format.js";
 import { statusOf } from "./status.js";
 import { lifeStrip } from "./strip.js";
 
@@ -16,8 +16,9 @@ export function drawActuator(container, detail, open, showMore) {
   const starts = maintenance.filter((event) => event.kind !== "inspected").map((event) => event.usage);
   const lifeStart = Math.max(-Infinity, ...starts);
   const shown = open || HISTORY_AT_FIRST;
+  const grown = sinceNew(history, lifeStart);
   reconcile(container, [
-    { key: "head", data: [record, life, history.at(-1)], draw: () => head(record, life, history) },
+    { key: "head", data: [record, life, history.at(-1), grown], draw: () => head(record, life, history, grown) },
     ...(history.length === 0 ? [{ key: "none", data: record.id, draw: () => noRecords(record) }] : []),
     ...(history.length === 0 ? [] : byUrgency(life)).map((fault) => {
       const model = modelOf(fault, detail, lifeStart);
@@ -70,12 +71,23 @@ export function back() {
   return h("a", { class: "back", href: "#/" }, "Fleet");
 }
 
-function head(record, life, history) {
+/** The growth since the baseline of this life, of the newest record that tells it: `Since delivery: KGM +0.050 ± 0.002, ...`. */
+function sinceNew(history, lifeStart) {
+  const told = (item) => !(item.usage < lifeStart) && Object.values(FAULTS).some(({ value }) => item[`${value}_growth`] !== null);
+  const newest = history.findLast(told);
+  if (!newest) return "";
+  const parts = Object.values(FAULTS).filter(({ value }) => newest[`${value}_growth`] !== null)
+    .map((fault) => `${fault.symbol} ${faultGrowth(fault, newest[`${fault.value}_growth`], newest[`${fault.value}_growth_std`])}`);
+  return `Since ${lifeStart > -Infinity ? "this life began" : "delivery"}: ${parts.join(", ")}.`;
+}
+
+function head(record, life, history, grown) {
   const status = statusOf({ remaining_life: life.forecast, risk: life.risk });
   return h("header", { class: "detail-head" },
     back(),
     h("p", { class: "identity" }, h("b", {}, record.serial_number), h("span", {}, record.tail_number), h("span", {}, record.location), badge(status)),
     ...headline(life, history, unitName(record.usage_unit)),
+    grown && h("p", { class: "because" }, grown),
     life.forecast && !life.forecast.reached && life.forecast.quantiles["0.05"] !== null && lifeStrip(life.forecast, life.risk, unitName(record.usage_unit)));
 }
 
@@ -159,7 +171,7 @@ function maintenanceList(record, maintenance) {
 function facts(record, life) {
   const path = `/v1/actuators/${encodeURIComponent(record.id)}`;
   const pair = (name, value) => h("div", {}, h("dt", {}, name), h("dd", {}, value));
-  const raw = { actuator: path, health: `${path}/health?limit=500`, "remaining life": `${path}/remaining-life`, maintenance: `${path}/maintenance` };
+  const raw = { actuator: path, health: `${path}/health?limit=500`, "remaining life": `${path}/remaining-life`, baseline: `${path}/baseline`, maintenance: `${path}/maintenance` };
   const models = life.forecast?.models ?? [];
   return h("section", { class: "block" },
     h("h3", {}, "Particulars"),

@@ -51,6 +51,13 @@ export function faultValue(fault, value, withUnit = true) {
   return fixed(value, fault.decimals) + (withUnit && fault.unit ? NBSP + fault.unit : "");
 }
 
+/** How much a fault has grown, with its sign, its standard deviation where there is one, and its unit. */
+export function faultGrowth(fault, value, std) {
+  const sign = value < 0 ? "\u2212" : "+";
+  const doubt = std === null ? "" : ` ± ${fixed(std, fault.decimals)}`;
+  return sign + fixed(Math.abs(value), fault.decimals) + doubt + (fault.unit ? NBSP + fault.unit : "");
+}
+
 /** A fault's threshold with its unit. */
 export function faultLimit(fault, value, withUnit = true) {
   return fixed(value, ...fault.limitDecimals) + (withUnit && fault.unit ? NBSP + fault.unit : "");

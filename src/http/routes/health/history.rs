@@ -5,13 +5,15 @@ use jiff::Timestamp;
 use utoipa::IntoParams;
 
 use crate::http::App;
+use crate::http::body::baseline::HealthItem;
 use crate::http::body::list::{List, PageQuery};
 use crate::http::error::ApiResult;
 use crate::http::extract::id::PathId;
 use crate::http::extract::query::{Fields, FromQuery, Query};
 use crate::http::openapi::RecordListProblems;
 use crate::http::routes::actuator;
-use crate::store::records::HealthRecord;
+use crate::jobs::baselines;
+use crate::store::Paged;
 
 /// Which part of a history.
 #[derive(Debug, IntoParams)]
@@ -40,13 +42,16 @@ impl FromQuery for (HistoryQuery, PageQuery) {
     path = "/v1/actuators/{id}/health",
     tag = "actuators",
     params(("id" = String, Path, description = "The actuator's id"), HistoryQuery, PageQuery),
-    responses((status = 200, description = "One page of the history", body = List<HealthRecord>), RecordListProblems)
+    responses((status = 200, description = "One page of the history", body = List<HealthItem>), RecordListProblems)
 )]
 pub(super) async fn health_history(
     State(app): State<App>,
     id: PathId,
     Query((span, page)): Query<(HistoryQuery, PageQuery)>,
-) -> ApiResult<List<HealthRecord>> {
+) -> ApiResult<List<HealthItem>> {
     let actuator = actuator(&app, &id).await?;
-    Ok(app.records.health(actuator.id, span.from, span.to, &page.into()).await?.into())
+    let (span, page) = ((span.from, span.to), page.into());
+    let Paged { items, next_cursor } =
+        baselines::history(app.records.as_ref(), &actuator, span, &page, app.baseline_traces).await?;
+    Ok(List { items: items.into_iter().map(HealthItem::from).collect(), next_cursor })
 }

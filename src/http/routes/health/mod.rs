@@ -1,5 +1,6 @@
 //! Health: of one actuator over time, what remains of its life, and of the fleet.
 
+mod baseline;
 mod fleet;
 mod history;
 mod remaining_life;
@@ -13,6 +14,7 @@ use crate::http::App;
 pub fn routes() -> OpenApiRouter<App> {
     OpenApiRouter::new()
         .routes(routes!(history::health_history))
+        .routes(routes!(baseline::baseline))
         .routes(routes!(remaining_life::remaining_life))
         .routes(routes!(fleet::fleet_health))
 }
