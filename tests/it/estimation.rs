@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use elevon::estimation::method::Method;
+use elevon::estimation::request::Objective;
 use elevon::estimation::{Estimate, EstimationError, Settings, Verdict, estimate};
 use elevon::models::fault::Faults;
 use elevon::models::parameters::ParameterSet;
@@ -101,11 +102,14 @@ fn recovers_the_same_from_a_later_start_the_other_direction_and_fewer_samples() 
 }
 
 #[test]
-fn a_command_without_the_manoeuvres_is_inconclusive() {
+fn a_command_without_the_manoeuvres_is_inconclusive_by_its_features() {
     let reason = "the command has no manoeuvre that is known to show the fault";
+    let by_features = Settings { objective: Objective::Features, ..Settings::default() };
     for command in ["step:0", "sine:0.05@0.5", "sequence:0.05@0,-0.025@0.5,0.0125@1,-0.05@1.5,0@2", "ramp:0.02"] {
-        assert_inconclusive(&estimated(&recorded(command, 0.2, 600.0, 0.0, 1)), reason);
+        let trace = recorded(command, 0.2, 600.0, 0.0, 1);
+        assert_inconclusive(&estimate(&trace, &ParameterSet::reference(), &by_features, &Unwatched).unwrap(), reason);
     }
+    assert_inconclusive(&estimated(&recorded("step:0", 0.2, 600.0, 0.0, 1)), "the command does not move");
 }
 
 /// A trace whose sensors are wrong in one way, with and without a recorded position.
@@ -151,8 +155,9 @@ fn a_recorded_load_or_another_supply_is_inconclusive() {
         channels.insert(channel, vec![value; trace.samples()]);
         estimated(&Trace::try_new(trace.time_s().to_vec(), channels, Vec::new()).unwrap())
     };
-    assert_inconclusive(&with(Channel::ExternalLoad, 1000.0), "external load of up to 1000 N");
-    assert_inconclusive(&with(Channel::SupplyPressure, 15.6e6), "supply pressure of 15.60 MPa");
+    // A load and a supply that were recorded but did not act.
+    assert_inconclusive(&with(Channel::ExternalLoad, 1000.0), "do not explain load_pressure_pa");
+    assert_inconclusive(&with(Channel::SupplyPressure, 15.6e6), "do not explain");
     assert_eq!(with(Channel::ExternalLoad, 0.0).verdict, Verdict::Conclusive);
     assert_eq!(with(Channel::SupplyPressure, 20.6e6).verdict, Verdict::Conclusive);
 }
@@ -201,12 +206,14 @@ fn a_saturated_current_and_a_jack_that_stands_still_are_inconclusive() {
 }
 
 #[test]
-fn a_channel_that_was_not_recorded_is_named() {
+fn a_channel_that_was_not_recorded_is_named_by_the_features() {
     let trace = diagnostic(0.2, 600.0);
     let channels =
         [Channel::PositionCommand, Channel::ServovalveCurrent].map(|c| (c, trace.channel(c).unwrap().to_vec()));
     let partial = Trace::try_new(trace.time_s().to_vec(), channels.into(), Vec::new()).unwrap();
-    assert_inconclusive(&estimated(&partial), "load_pressure_pa was not recorded");
+    let by_features = Settings { objective: Objective::Features, ..Settings::default() };
+    let found = estimate(&partial, &ParameterSet::reference(), &by_features, &Unwatched).unwrap();
+    assert_inconclusive(&found, "load_pressure_pa was not recorded");
 }
 
 #[test]

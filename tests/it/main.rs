@@ -23,3 +23,4 @@ mod ramp_current;
 mod reproduction;
 mod simulate;
 mod store_contract;
+mod whole_traces;

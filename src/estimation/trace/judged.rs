@@ -1,5 +1,7 @@
 //! What of a fit should be believed.
 
+use std::collections::BTreeMap;
+
 use super::fit::Fitted;
 use super::observed::Observations;
 use crate::estimation::request::Fault;
@@ -84,6 +86,13 @@ pub fn judge(estimate: &mut Estimate, fitted: &Fitted, faults: &[Fault], observa
             estimate.verdict = Verdict::Conclusive;
         }
     }
+}
+
+/// The faults beside the two main ones, before anything is known of them.
+#[must_use]
+pub fn unknown(faults: &[Fault]) -> BTreeMap<String, Option<f64>> {
+    let others = faults.iter().filter(|fault| !matches!(fault, Fault::Kgm | Fault::Fdj));
+    others.flat_map(|fault| [fault.key().into(), format!("{}_std", fault.key())]).map(|key| (key, None)).collect()
 }
 
 fn put(estimate: &mut Estimate, fault: Fault, figures: Option<(f64, f64)>) {

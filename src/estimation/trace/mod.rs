@@ -10,7 +10,7 @@ pub mod observed;
 pub mod runs;
 pub mod surface;
 
-use super::request::Fault;
+use super::request::{Fault, Objective};
 use super::search::{Minimum, minimise};
 use super::{Estimate, EstimationError, Settings};
 use crate::models::fault::Faults;
@@ -44,17 +44,22 @@ pub fn estimate(
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
+    let inconclusive = |reasons| Estimate {
+        objective: Objective::Trace.name().into(),
+        faults: judged::unknown(&settings.faults.faults()),
+        ..Estimate::inconclusive(set, settings, reasons)
+    };
     let mut observations = match Observations::new(trace, set) {
         Ok(observations) => observations,
-        Err(reason) => return Ok(Estimate::inconclusive(set, settings, vec![reason])),
+        Err(reason) => return Ok(inconclusive(vec![reason])),
     };
     let reasons = judged::objections(trace, &observations, set);
     if !reasons.is_empty() {
-        return Ok(Estimate::inconclusive(set, settings, reasons));
+        return Ok(inconclusive(reasons));
     }
     let faults = settings.faults.faults();
     let wide = search(&observations, &faults, set, settings, watch)?;
-    let mut estimate = Estimate::inconclusive(set, settings, Vec::new());
+    let mut estimate = inconclusive(Vec::new());
     estimate.evaluations = wide.evaluations;
     let start = proposal(&faults, &wide.best.candidate);
     let refined =

@@ -25,7 +25,9 @@ pub fn trace() -> Trace {
 /// What runs candidates on that command.
 pub fn evaluator() -> Evaluator {
     let trace = trace();
-    let measured = measure(&trace, &find(trace.time_s(), trace.position_command_m())).unwrap();
+    let measured =
+        measure(&trace, &find(trace.time_s(), trace.position_command_m()), &ParameterSet::reference().shared())
+            .unwrap();
     Evaluator::new(&trace, &measured, &ParameterSet::reference())
 }
 
