@@ -96,9 +96,9 @@ pub fn with_clearance(set: &ParameterSet, watch: &dyn Watch) -> Result<Table, Re
     let title = "Both faults with a worn sleeve";
     let mut table = table(Name::TableClearance, title, &worn, &found, &of_both(&TABLE_CLEARANCE));
     table.notes.push(format!(
-        "{:.0} µm more of radial clearance between spool and sleeve. KGM is off by up to {:+.4}, without the clearance by up to \
-         {:+.4}: the leak asks for more current, as a weaker torque motor would, and a monitoring model without a leak of its own \
-         cannot tell the two apart.",
+        "{:.0} µm more of radial clearance between spool and sleeve, estimated with KGM and FDJ from the whole trace (command, \
+         current, pressure, jack position). KGM is off by up to {:+.4}, without the clearance by up to {:+.4}: the holding current \
+         after the step tells a leak from a weaker torque motor.",
         CLEARANCE_M * 1e6,
         furthest_off(&worn, &found),
         furthest_off(&tight, &without)
@@ -109,8 +109,8 @@ pub fn with_clearance(set: &ParameterSet, watch: &dyn Watch) -> Result<Table, Re
             section: "7.2, clearance",
             thesis: "With the clearance the error of KGM becomes smaller",
             why: Some(
-                "The leak raises the current, and the thesis says neither whether its clearance is radial nor whether it is added \
-                 to the nominal one",
+                "The leak is estimated too; the thesis says neither whether its clearance is radial nor whether it is added to the \
+                 nominal one",
             ),
             ..mean_errors(KGM, tables, (&without, &found), |before, after| after < before)
         },
