@@ -41,7 +41,9 @@ impl Features {
     pub fn corrected(&self, known: &Difference) -> Self {
         Self {
             servovalve_current_a: known.current_ratio * self.servovalve_current_a,
-            load_pressure_pa: self.load_pressure_pa + known.load_pressure_pa,
+            // It was learnt on a step upwards; downwards it has the other sign.
+            load_pressure_pa: self.load_pressure_pa
+                + known.load_pressure_pa.copysign(known.load_pressure_pa * self.load_pressure_pa),
             ramp_pressure_pa: self.ramp_pressure_pa,
             step_current_a: known.current_ratio * self.step_current_a,
         }

@@ -94,8 +94,8 @@ fn what_was_not_asked_for_is_null_and_another_actuator_is_not_believed() {
     let found = estimated(&only(&trace, &USUAL), "fdj");
     assert_eq!((found.kgm, found.kgm_std), (None, None), "{found:?}");
     assert!((found.fdj_n.unwrap() / 500.0 - 1.0).abs() < 0.01, "{found:?}");
-    let small = include_str!("../../config/actuators/small-aileron.toml");
-    let set = ParameterSet::parse(small).unwrap();
+    let slower = [("controller.proportional_gain_a_per_m".to_owned(), "0.45".to_owned())];
+    let set = ParameterSet::reference().with(&slower).unwrap();
     let settings = Settings { objective: Objective::Trace, ..Settings::default() };
     let foreign = estimate(&only(&trace, &USUAL), &set, &settings, &Unwatched).unwrap();
     assert_eq!(foreign.verdict, Verdict::Inconclusive, "{foreign:?}");
