@@ -146,7 +146,7 @@ impl Drop for InC {
 
 /// Flapper position, flapper velocity and spool position after a step, by each of them and the force, row by row.
 fn transition(time_step_s: f64) -> Vec<f64> {
-    let own = *ParameterSet::reference().monitoring_model();
+    let own = ParameterSet::reference().monitoring_model().clone();
     let p = own.first_stage;
     let (frequency, spring) = (p.natural_frequency_rad_per_s, p.feedback_spring_stiffness_n_per_m);
     let (squared, stiffness) = (frequency * frequency, p.flapper_stiffness_n_per_m + spring);

@@ -238,7 +238,9 @@ mod tests {
         let of = "monitoring.bias.surface.";
         assert_eq!(told(|s| s.fdj_n[1] = 300.0), format!("{of}fdj_n: found 300 after 300, expected rising levels"));
         assert_eq!(
-            told(|s| drop(s.current_ratio[1].pop())),
+            told(|s| {
+                s.current_ratio[1].pop();
+            }),
             format!("{of}current_ratio: found 2 rows of 2 values, expected 2 rows of 3 values")
         );
         assert_eq!(
