@@ -172,7 +172,7 @@ fn command_m() -> Vec<f64> {
 /// The nominal values in the order of the C program's `struct params`.
 fn parameters() -> Vec<f64> {
     let set = ParameterSet::reference();
-    let (shared, own) = (set.shared(), *set.monitoring_model());
+    let (shared, own) = (set.shared(), set.monitoring_model().clone());
     let (motor, jack, flapper, spool, fluid) =
         (shared.torque_motor, shared.jack, own.first_stage, own.second_stage, own.fluid);
     assert!(jack.aerodynamic_stiffness_n_per_m == 0.0 && jack.external_load_n == 0.0, "the C program has no load");
