@@ -42,6 +42,11 @@ pub fn for_fit(name_or_file: &Path) -> Result<(ParameterSet, Vec<String>), Failu
             names.push(name);
         }
     }
+    // A set without any bias has the built-in one's whole, to begin with.
+    if names.iter().any(|name| name == "monitoring.bias.current_ratio") {
+        let surface: toml::Table = reference.bias_surface_toml().unwrap_or_default().parse().map_err(Failure::work)?;
+        merge(&mut table, surface);
+    }
     ParameterSet::parse(&table.to_string()).map(|set| (set, names)).map_err(|errors| refused(&name, &errors))
 }
 
@@ -117,6 +122,17 @@ fn insert(table: &mut toml::Table, path: &str, value: f64) {
             if let toml::Value::Table(inner) = inner {
                 insert(inner, rest, value);
             }
+        }
+    }
+}
+
+/// Adds the entries of a table that another one lacks, section by section.
+fn merge(into: &mut toml::Table, from: toml::Table) {
+    for (key, value) in from {
+        match (into.get_mut(&key), value) {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(more)) => merge(inner, more),
+            (Some(_), _) => {}
+            (None, value) => drop(into.insert(key, value)),
         }
     }
 }

@@ -170,7 +170,8 @@ impl Reader<'_> {
                         None if inner == OPTIONAL => {}
                         None => {
                             model.leaves(&inner, &mut |leaf, _| {
-                                if !leaf.starts_with(OPTIONAL) {
+                                // One of its keys is missing only where the section is there.
+                                if !leaf.starts_with(OPTIONAL) || name == OPTIONAL {
                                     self.missing(leaf);
                                 }
                             });
