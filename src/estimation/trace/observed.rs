@@ -229,7 +229,7 @@ impl Observations {
 fn motion(trace: &Trace) -> Result<std::ops::Range<usize>, String> {
     let command_m = trace.position_command_m();
     let first = command_m.iter().position(|m| (m - command_m[0]).abs() > 1e-9);
-    let first = first.ok_or("the command does not move: neither does what it would show of the faults")?;
+    let first = first.ok_or("the command does not move: it has no manoeuvre that would show a fault")?;
     Ok(first.saturating_sub(1)..command_m.len())
 }
 

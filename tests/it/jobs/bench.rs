@@ -58,10 +58,21 @@ impl Bench {
 
     /// Uploads bytes as a trace of an actuator.
     pub async fn upload(&self, actuator: Id, second: i64, bytes: Vec<u8>) -> (TraceRecord, Job) {
+        self.upload_with(actuator, second, bytes, Settings::default()).await
+    }
+
+    /// The same, to be estimated with other settings.
+    pub async fn upload_with(
+        &self,
+        actuator: Id,
+        second: i64,
+        bytes: Vec<u8>,
+        settings: Settings,
+    ) -> (TraceRecord, Job) {
         let mut trace = samples::trace(actuator, second);
         (trace.columns, trace.sample_rate_hz) = (String::new(), None);
         trace.sha256 = sha256_hex(&bytes);
-        let spec = JobSpec::Estimation { trace_id: trace.id, settings: Settings::default() };
+        let spec = JobSpec::Estimation { trace_id: trace.id, settings };
         let job = self.jobs.upload(trace.clone(), bytes, spec).await.unwrap();
         (trace, job)
     }

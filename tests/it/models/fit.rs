@@ -31,7 +31,7 @@ fn built_in() -> &'static Fitted {
 #[test]
 fn recovers_the_built_in_monitoring_model_from_the_built_in_reference_model() {
     let changes = built_in().changes(&ParameterSet::reference(), &[]);
-    assert_eq!(changes.len(), 23);
+    assert_eq!(changes.len(), 27);
     for change in changes {
         // The leakage's optimum is flat: a tenth of it moves the pressure feature by some 15 Pa. The gain is fitted to
         // the ramp's opening, the built-in one to 0.6 mm; the bias follows the gain.
