@@ -1,5 +1,7 @@
 //! The fit of the corrected monitoring model to a trace: weighted least squares by Gauss and Newton, within the faults' ranges.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::observed::{Observations, Observed};
@@ -26,12 +28,12 @@ const BLOCK_S: f64 = 0.25;
 pub struct Fitted {
     /// The candidate.
     pub faults: Faults,
-    /// Standard deviations of the faults that vary, in their order, and their covariance's correlations.
+    /// The covariance of the faults that vary, in their order.
     pub covariance: DMatrix<f64>,
     /// Observed minus modelled, by channel of the observations, bin by bin.
     pub residuals: Vec<Vec<f64>>,
-    /// The variance that the residuals were expected to have, as they are.
-    pub unexplained: Vec<Vec<f64>>,
+    /// The variance that the residuals were expected to have, as they are; zero where they tell nothing.
+    pub expected: Vec<Vec<f64>>,
     /// The weighted mean of the squared residuals.
     pub cost: f64,
 }
@@ -65,7 +67,7 @@ pub fn fit(
     let mut at = *start;
     for _ in 0..ROUNDS_MAX {
         let local = Local::at(&at, faults, runs, observations, surface);
-        let (normal, gradient) = local.normal(&local.robust(&known));
+        let (normal, gradient) = local.normal(&robust(&local.residuals, &known));
         let step = solve_within(&normal, &gradient, &at, faults)?;
         let mut largest: f64 = 0.0;
         for (fault, step) in faults.iter().zip(step.iter()) {
@@ -82,14 +84,13 @@ pub fn fit(
         }
     }
     let local = Local::at(&at, faults, runs, observations, surface);
-    let covariance = local.covariance(&local.robust(&known), observations, surface)?;
+    let covariance = local.covariance(&robust(&local.residuals, &known), observations, surface)?;
     let cost = local.cost(&known);
-    let unexplained =
-        known.iter().map(|channel| channel.iter().map(|w| if *w > 0.0 { w.recip() } else { 0.0 }).collect());
+    let expected = known.iter().map(|channel| channel.iter().map(|w| if *w > 0.0 { w.recip() } else { 0.0 }).collect());
     cost.is_finite().then_some(Fitted {
         faults: at,
         covariance,
-        unexplained: unexplained.collect(),
+        expected: expected.collect(),
         residuals: local.residuals,
         cost,
     })
@@ -166,13 +167,6 @@ impl Local {
         Self { residuals, slopes: slopes.collect() }
     }
 
-    /// The weights with those of residuals far beyond the expected lowered (Cauchy's): a jack that sticks a moment earlier or later
-    /// leaves much in a few bins.
-    fn robust(&self, weights: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let lowered = |(r, w): (&f64, &f64)| w / (1.0 + r * r * w / (CAUCHY * CAUCHY));
-        self.residuals.iter().zip(weights).map(|(r, w)| r.iter().zip(w).map(lowered).collect()).collect()
-    }
-
     fn cost(&self, weights: &[Vec<f64>]) -> f64 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (residuals, weights) in self.residuals.iter().zip(weights) {
@@ -188,47 +182,47 @@ impl Local {
     fn normal(&self, weights: &[Vec<f64>]) -> (DMatrix<f64>, DVector<f64>) {
         let n = self.slopes.len();
         let mut normal = DMatrix::zeros(n, n);
-        let mut gradient = DVector::zeros(n);
-        for (channel, weights) in weights.iter().enumerate() {
-            for (bin, w) in weights.iter().enumerate().filter(|(_, w)| **w > 0.0) {
-                for i in 0..n {
-                    let weighted = w * self.slopes[i][channel][bin];
-                    gradient[i] += weighted * self.residuals[channel][bin];
-                    for j in 0..=i {
-                        normal[(i, j)] += weighted * self.slopes[j][channel][bin];
-                    }
+        for (i, one) in self.slopes.iter().enumerate() {
+            for (j, other) in self.slopes.iter().enumerate().take(i + 1) {
+                let products = one.iter().zip(other).zip(weights).flat_map(|((one, other), weights)| {
+                    one.iter().zip(other).zip(weights).map(|((one, other), w)| w * one * other)
+                });
+                normal[(i, j)] = products.sum();
+                normal[(j, i)] = normal[(i, j)];
+            }
+        }
+        (normal, self.score(&self.residuals, weights, 0..usize::MAX))
+    }
+
+    /// What a difference, by channel and bin, adds to the right side of the normal equations in some bins.
+    fn score(&self, off: &[Vec<f64>], weights: &[Vec<f64>], bins: Range<usize>) -> DVector<f64> {
+        let mut score = DVector::zeros(self.slopes.len());
+        for (channel, (off, weights)) in off.iter().zip(weights).enumerate() {
+            for (bin, (off, w)) in off.iter().zip(weights).enumerate().take(bins.end).skip(bins.start) {
+                for (i, slopes) in self.slopes.iter().enumerate() {
+                    score[i] += off * w * slopes[channel][bin];
                 }
             }
         }
-        for i in 0..n {
-            for j in i + 1..n {
-                normal[(i, j)] = normal[(j, i)];
-            }
-        }
-        (normal, gradient)
+        score
+    }
+
+    /// What a difference moves the faults by, its outliers lowered as those of the residuals are.
+    fn moved(&self, inverse: &DMatrix<f64>, off: &[Vec<f64>], weights: &[Vec<f64>]) -> DVector<f64> {
+        inverse * self.score(off, &robust(off, weights), 0..usize::MAX)
     }
 
     /// The covariance of the faults, from the curvature and from the residuals as they are: correlated within blocks of time, and across
-    /// channels.
+    /// channels; then what noise inside the loop and the surface's own error do to the faults.
     fn covariance(&self, weights: &[Vec<f64>], observations: &Observations, surface: &Surface) -> Option<DMatrix<f64>> {
         let n = self.slopes.len();
-        let (normal, _) = self.normal(weights);
-        let inverse = normal.try_inverse()?;
+        let inverse = self.normal(weights).0.try_inverse()?;
         let block = (BLOCK_S / observations.block_s()).ceil() as usize;
         let mut scatter = DMatrix::<f64>::zeros(n, n);
         let mut blocks = 0.0;
         for from in (0..observations.blocks()).step_by(block) {
-            let mut score = DVector::<f64>::zeros(n);
-            let mut told = false;
-            for (channel, weights) in weights.iter().enumerate() {
-                for bin in from..(from + block).min(observations.blocks()) {
-                    let weighted = weights[bin] * self.residuals[channel][bin];
-                    told |= weights[bin] > 0.0;
-                    for i in 0..n {
-                        score[i] += weighted * self.slopes[i][channel][bin];
-                    }
-                }
-            }
+            let score = self.score(&self.residuals, weights, from..from + block);
+            let told = weights.iter().any(|weights| weights.iter().take(from + block).skip(from).any(|w| *w > 0.0));
             blocks += f64::from(u8::from(told));
             scatter += &score * score.transpose();
         }
@@ -237,30 +231,15 @@ impl Local {
         let mut covariance = &inverse * scatter * &inverse * free;
         self.widen(&mut covariance, &inverse, weights, observations);
         for error in &surface.errors {
-            let off: Vec<&[f64]> =
-                observations.channels.iter().map(|channel| error[channel.place].as_slice()).collect();
-            let moved = &inverse * self.score(&off, weights);
+            let off: Vec<Vec<f64>> = observations.channels.iter().map(|channel| error[channel.place].clone()).collect();
+            let moved = self.moved(&inverse, &off, weights);
             covariance += &moved * moved.transpose() / surface.errors.len() as f64;
         }
         Some(covariance)
     }
 
-    /// What a difference, by channel and bin, would add to the right side of the normal equations.
-    fn score(&self, off: &[&[f64]], weights: &[Vec<f64>]) -> DVector<f64> {
-        let mut score = DVector::zeros(self.slopes.len());
-        for (channel, (off, weights)) in off.iter().zip(weights).enumerate() {
-            for (bin, (off, w)) in off.iter().zip(weights).enumerate() {
-                let weighted = off * w / (1.0 + off * off * w / (CAUCHY * CAUCHY));
-                for (i, slopes) in self.slopes.iter().enumerate() {
-                    score[i] += weighted * slopes[channel][bin];
-                }
-            }
-        }
-        score
-    }
-
-    /// Widens a covariance halfway to what noise inside the loop does to the faults in a few runs, where that is more: the slowest of it looks like a fault
-    /// and is not left in the residuals.
+    /// Widens a covariance halfway to what noise inside the loop does to the faults in a few runs, where that is more: the slowest of it
+    /// looks like a fault and is not left in the residuals.
     fn widen(
         &self,
         covariance: &mut DMatrix<f64>,
@@ -272,9 +251,8 @@ impl Local {
         let draws = observations.channels.iter().map(|channel| channel.draws.len()).min().unwrap_or(0);
         let mut squares = vec![0.0; n];
         for draw in 0..draws {
-            let off: Vec<&[f64]> = observations.channels.iter().map(|channel| channel.draws[draw].as_slice()).collect();
-            let score = self.score(&off, weights);
-            for (square, moved) in squares.iter_mut().zip((inverse * score).iter()) {
+            let off: Vec<Vec<f64>> = observations.channels.iter().map(|channel| channel.draws[draw].clone()).collect();
+            for (square, moved) in squares.iter_mut().zip(self.moved(inverse, &off, weights).iter()) {
                 *square += moved * moved / draws as f64;
             }
         }
@@ -285,4 +263,11 @@ impl Local {
             }
         }
     }
+}
+
+/// The weights with those of differences far beyond the expected lowered (Cauchy's): a jack that sticks a moment earlier or later
+/// leaves much in a few bins.
+fn robust(off: &[Vec<f64>], weights: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let lowered = |(off, w): (&f64, &f64)| w / (1.0 + off * off * w / (CAUCHY * CAUCHY));
+    off.iter().zip(weights).map(|(off, w)| off.iter().zip(w).map(lowered).collect()).collect()
 }

@@ -137,9 +137,7 @@ const fn misfit_max(channel: Channel) -> f64 {
 fn misfits(fitted: &Fitted, observations: &Observations) -> Vec<String> {
     let bin_s = observations.block_s();
     let mut reasons = Vec::new();
-    for ((channel, residuals), variances) in
-        observations.channels.iter().zip(&fitted.residuals).zip(&fitted.unexplained)
-    {
+    for ((channel, residuals), variances) in observations.channels.iter().zip(&fitted.residuals).zip(&fitted.expected) {
         // The white noise is averaged out in a block; what it moves and what the surface leaves is not.
         let slow: Vec<f64> = variances.iter().map(|v| (v - channel.noise * channel.noise).max(0.0).sqrt()).collect();
         let noise = channel.noise_mean_square(bin_s) + channel.block_mean_square(&slow, bin_s);

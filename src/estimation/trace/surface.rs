@@ -40,7 +40,7 @@ pub fn spacing(fault: Fault, value: f64) -> f64 {
 #[derive(Debug)]
 pub struct Surface {
     /// The middle of the levels.
-    pub centre: Faults,
+    centre: Faults,
     /// The faults that vary.
     faults: Vec<Fault>,
     /// The difference of the models at the centre.
@@ -112,15 +112,8 @@ impl Surface {
             .collect();
         // Each pair's mean is the middle once more; what they differ by is bend and chance.
         let middles: Vec<Shown> = differences.chunks_exact(2).map(|pair| mean(&[&pair[0], &pair[1]])).collect();
-        let spread = std::array::from_fn(|channel| {
-            let squares = (0..observations.blocks()).map(|bin| {
-                let off = middles.iter().map(|one| (one[channel][bin] - middle[channel][bin]).powi(2)).sum::<f64>();
-                off / (middles.len().max(2) - 1) as f64
-            });
-            smooth_root(&squares.collect::<Vec<_>>(), SMOOTH_BLOCKS)
-        });
         let scale = (middles.len() as f64 / (middles.len().max(2) - 1) as f64).sqrt();
-        let errors = middles
+        let errors: Vec<Shown> = middles
             .iter()
             .map(|one| {
                 std::array::from_fn(|channel| {
@@ -128,6 +121,11 @@ impl Surface {
                 })
             })
             .collect();
+        let spread = std::array::from_fn(|channel| {
+            let square = |bin: usize| errors.iter().map(|error| error[channel][bin].powi(2)).sum::<f64>();
+            let squares = (0..observations.blocks()).map(|bin| square(bin) / errors.len() as f64);
+            smooth_root(&squares.collect::<Vec<_>>(), SMOOTH_BLOCKS)
+        });
         Ok(Self { centre, faults: faults.to_vec(), middle, slopes, spread, errors })
     }
 
@@ -168,12 +166,10 @@ pub fn feel_noise(
     let runs: Vec<Trace> = recipes.par_iter().map(|recipe| simulate(recipe, set, watch)).collect::<Result<_, _>>()?;
     for place in 0..observations.channels.len() {
         let which = observations.channels[place].channel;
-        let values = |run: &Trace| run.channel(which).expect("a simulated trace has every channel").to_vec();
-        let still = values(&runs[0]);
-        let draws: Vec<Vec<f64>> = runs[1..]
-            .iter()
+        let values = |run: usize| runs[run].channel(which).expect("a simulated trace has every channel");
+        let draws: Vec<Vec<f64>> = (1..runs.len())
             .map(|run| {
-                let off: Vec<f64> = values(run).iter().zip(&still).map(|(noisy, quiet)| noisy - quiet).collect();
+                let off: Vec<f64> = values(run).iter().zip(values(0)).map(|(noisy, quiet)| noisy - quiet).collect();
                 observations.means(&off)
             })
             .collect();
