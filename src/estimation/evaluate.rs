@@ -11,7 +11,7 @@ use crate::models::monitoring::{Model, State};
 use crate::models::parameters::ParameterSet;
 use crate::models::signal::Signal;
 use crate::models::trace::{Channel, Trace};
-use crate::numeric::lane::{Both, Lane, Lanes, Register};
+use crate::numeric::lane::{Lane, LaneWork, Lanes, in_registers};
 
 /// The faults that a candidate proposes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Proposal {
 
 /// One trace's command, ready to drive any number of candidates.
 ///
-/// The time step is the longest that the model takes, but half of that for [`HALF_STEPS_S`] after the step from which the
+/// The time step is the longest that the model takes, but half of that for 0.05 s after the step from which the
 /// pressure is taken: there a jack with little friction and a weak motor is carried off by how late and how abruptly a
 /// long step begins to move, and creeps from elsewhere for the next second.
 #[derive(Debug)]
@@ -159,47 +159,39 @@ impl WithSimd for Batch<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Vec<Features> {
-        let mut features = Vec::with_capacity(self.proposals.len());
-        let mut rest = self.proposals;
-        while !rest.is_empty() {
-            // Registers side by side hide latencies; more than the proposals fill would be wasted.
-            let registers = rest.len().div_ceil(S::F64_LANES).min(REGISTERS_MAX);
-            let (now, later) = rest.split_at(rest.len().min(registers * S::F64_LANES));
-            match registers {
-                1 => run_lanes::<Register<S>>(simd, self.evaluator, now, &mut features),
-                2 => run_lanes::<Two<S>>(simd, self.evaluator, now, &mut features),
-                3 => run_lanes::<Both<Register<S>, Two<S>>>(simd, self.evaluator, now, &mut features),
-                4 => run_lanes::<Both<Two<S>, Two<S>>>(simd, self.evaluator, now, &mut features),
-                _ => run_lanes::<Both<Register<S>, Both<Two<S>, Two<S>>>>(simd, self.evaluator, now, &mut features),
-            }
-            rest = later;
-        }
-        features
+        let Batch { evaluator, proposals } = self;
+        let mut runs = Runs { evaluator, proposals, features: Vec::with_capacity(proposals.len()) };
+        in_registers(simd, proposals.len(), &mut runs);
+        runs.features
     }
 }
 
-/// The most registers side by side: 40 candidates in five registers of eight.
-const REGISTERS_MAX: usize = 5;
+/// The runs of a batch.
+struct Runs<'a> {
+    evaluator: &'a Evaluator,
+    proposals: &'a [Proposal],
+    features: Vec<Features>,
+}
 
-/// Two registers side by side.
-type Two<S> = Both<Register<S>, Register<S>>;
-
-#[inline(always)]
-fn run_lanes<L: Lanes>(token: L::Token, evaluator: &Evaluator, proposals: &[Proposal], features: &mut Vec<Features>) {
-    let kgm: Vec<f64> = proposals.iter().map(|p| p.kgm).collect();
-    let fdj_n: Vec<f64> = proposals.iter().map(|p| p.fdj_n).collect();
-    let means = evaluator.run(token, L::load(token, &kgm), L::load(token, &fdj_n));
-    let mut columns = [(); 4].map(|()| vec![0.0; proposals.len()]);
-    for (column, mean) in columns.iter_mut().zip(means) {
-        mean.store(column);
+impl LaneWork for Runs<'_> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self, token: L::Token, places: Range<usize>) {
+        let proposals = &self.proposals[places];
+        let kgm: Vec<f64> = proposals.iter().map(|p| p.kgm).collect();
+        let fdj_n: Vec<f64> = proposals.iter().map(|p| p.fdj_n).collect();
+        let means = self.evaluator.run(token, L::load(token, &kgm), L::load(token, &fdj_n));
+        let mut columns = [(); 4].map(|()| vec![0.0; proposals.len()]);
+        for (column, mean) in columns.iter_mut().zip(means) {
+            mean.store(column);
+        }
+        let [ramp_a, ramp_pa, step_a, step_pa] = columns;
+        self.features.extend((0..proposals.len()).map(|i| Features {
+            servovalve_current_a: ramp_a[i],
+            load_pressure_pa: step_pa[i],
+            ramp_pressure_pa: ramp_pa[i],
+            step_current_a: step_a[i],
+        }));
     }
-    let [ramp_a, ramp_pa, step_a, step_pa] = columns;
-    features.extend((0..proposals.len()).map(|i| Features {
-        servovalve_current_a: ramp_a[i],
-        load_pressure_pa: step_pa[i],
-        ramp_pressure_pa: ramp_pa[i],
-        step_current_a: step_a[i],
-    }));
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! Code that is generic over [`Lane`] gives the same bits on `f64` and on every [`Register`] and [`Both`]: each operation is the one
 //! IEEE 754 operation, none is fused with another or reordered, and a branch is a select.
 
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Range, Sub};
 
 use pulp::Simd;
 
@@ -226,6 +226,40 @@ impl<A: Lane, B: Lane> Neg for Both<A, B> {
     #[inline(always)]
     fn neg(self) -> Self {
         Self(-self.0, -self.1)
+    }
+}
+
+/// The most registers side by side: 40 numbers in five registers of eight. More would not stay in the processor.
+const REGISTERS_MAX: usize = 5;
+
+/// The most numbers that one lane holds on any instruction set.
+pub const NUMBERS_MAX: usize = 8 * REGISTERS_MAX;
+
+/// Two registers side by side.
+type Two<S> = Both<Register<S>, Register<S>>;
+
+/// Something that is done with many numbers in lock-step.
+pub trait LaneWork {
+    /// Does it with the numbers of these places, at most as many as a lane holds.
+    fn run<L: Lanes>(&mut self, token: L::Token, places: Range<usize>);
+}
+
+/// Does a work with `count` numbers, as many at once as fill the registers side by side: that hides latencies, and more registers than
+/// the numbers fill would be wasted.
+#[inline(always)]
+pub fn in_registers<S: Simd>(simd: S, count: usize, work: &mut impl LaneWork) {
+    let mut from = 0;
+    while from < count {
+        let registers = (count - from).div_ceil(S::F64_LANES).min(REGISTERS_MAX);
+        let places = from..(from + registers * S::F64_LANES).min(count);
+        from = places.end;
+        match registers {
+            1 => work.run::<Register<S>>(simd, places),
+            2 => work.run::<Two<S>>(simd, places),
+            3 => work.run::<Both<Register<S>, Two<S>>>(simd, places),
+            4 => work.run::<Both<Two<S>, Two<S>>>(simd, places),
+            _ => work.run::<Both<Register<S>, Both<Two<S>, Two<S>>>>(simd, places),
+        }
     }
 }
 

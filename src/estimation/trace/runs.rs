@@ -1,14 +1,16 @@
 //! Candidates through the monitoring model over a whole trace, many in lock-step.
 
+use std::ops::Range;
+
 use pulp::{Arch, Simd, WithSimd};
 
 use super::observed::{CHANNELS, Observations, TIME_STEP_S};
 use crate::models::fault::Faults;
 use crate::models::monitoring::large_step::LargeStep;
-use crate::models::monitoring::wear::Worn;
+use crate::models::monitoring::wear::{self, Worn};
 use crate::models::monitoring::{Candidate, Model, State};
 use crate::models::parameters::ParameterSet;
-use crate::numeric::lane::{Both, Lane, Lanes, Register};
+use crate::numeric::lane::{Lane, LaneWork, Lanes, NUMBERS_MAX, in_registers};
 
 /// What a run shows: for each channel of [`CHANNELS`], its value in each bin.
 pub type Shown = [Vec<f64>; CHANNELS.len()];
@@ -22,7 +24,7 @@ pub type Wanted = [Vec<(f64, f64)>; CHANNELS.len()];
 pub struct Runs<'a> {
     observations: &'a Observations,
     model: LargeStep,
-    wear: crate::models::monitoring::wear::Params,
+    wear: wear::Params,
     arch: Arch,
 }
 
@@ -38,19 +40,15 @@ impl<'a> Runs<'a> {
     /// What each candidate shows.
     #[must_use]
     pub fn shown(&self, faults: &[Faults]) -> Vec<Shown> {
-        let mut shown = Vec::new();
-        for part in faults.chunks(LANES_KEPT) {
-            let mut keeper = Keeper { shown: vec![Shown::default(); part.len()] };
-            self.arch.dispatch(Batch { runs: self, faults: part, keeper: &mut keeper });
-            shown.extend(keeper.shown);
-        }
-        shown
+        self.arch
+            .dispatch(Batch { runs: self, faults, work: Keeper { shown: vec![Shown::default(); faults.len()] } })
+            .shown
     }
 
     /// The weighted sum of squared differences of each candidate; not finite where a run diverged.
     #[must_use]
     pub fn costs(&self, faults: &[Faults], wanted: &Wanted) -> Vec<f64> {
-        self.arch.dispatch(Costs { runs: self, faults, wanted })
+        self.arch.dispatch(Batch { runs: self, faults, work: Costs { wanted, costs: Vec::new() } }).costs
     }
 
     /// Runs as many candidates as a lane holds. What is recorded of a bin is what the reference model records at its middle: the
@@ -89,18 +87,32 @@ trait Keep<L> {
     fn keep(&mut self, bin: usize, shown: [L; CHANNELS.len()]);
 }
 
-/// The most candidates that are kept at once.
-const LANES_KEPT: usize = 16;
+/// A batch's work: what is done with the runs of some of its candidates.
+trait Work {
+    fn on<L: Lanes>(&mut self, token: L::Token, runs: &Runs<'_>, faults: &[Faults], places: Range<usize>);
+}
 
 /// Keeps everything.
 struct Keeper {
     shown: Vec<Shown>,
 }
 
-impl<L: Lanes> Keep<L> for &mut Keeper {
+impl Work for Keeper {
+    #[inline(always)]
+    fn on<L: Lanes>(&mut self, token: L::Token, runs: &Runs<'_>, faults: &[Faults], places: Range<usize>) {
+        runs.run::<L, _>(token, faults, &mut Kept { shown: &mut self.shown[places] });
+    }
+}
+
+/// The part of what is kept that one lane makes.
+struct Kept<'a> {
+    shown: &'a mut [Shown],
+}
+
+impl<L: Lanes> Keep<L> for Kept<'_> {
     #[inline(always)]
     fn keep(&mut self, _: usize, shown: [L; CHANNELS.len()]) {
-        let mut numbers = [0.0; LANES_KEPT];
+        let mut numbers = [0.0; NUMBERS_MAX];
         let count = self.shown.len();
         for (channel, values) in shown.into_iter().enumerate() {
             values.store(&mut numbers[..count]);
@@ -108,6 +120,22 @@ impl<L: Lanes> Keep<L> for &mut Keeper {
                 run[channel].push(number);
             }
         }
+    }
+}
+
+/// Finds the costs.
+struct Costs<'a> {
+    wanted: &'a Wanted,
+    costs: Vec<f64>,
+}
+
+impl Work for Costs<'_> {
+    #[inline(always)]
+    fn on<L: Lanes>(&mut self, token: L::Token, runs: &Runs<'_>, faults: &[Faults], places: Range<usize>) {
+        let mut sum = Sum { wanted: self.wanted, cost: L::splat(token, 0.0) };
+        runs.run::<L, _>(token, faults, &mut sum);
+        self.costs.resize(places.end, 0.0);
+        sum.cost.store(&mut self.costs[places]);
     }
 }
 
@@ -129,84 +157,27 @@ impl<L: Lane> Keep<L> for Sum<'_, L> {
     }
 }
 
-/// Candidates whose runs are kept, for whatever instruction set the machine has.
-struct Batch<'a, 'b> {
+/// Candidates and a work on them, for whatever instruction set the machine has.
+struct Batch<'a, W> {
     runs: &'a Runs<'a>,
     faults: &'a [Faults],
-    keeper: &'b mut Keeper,
+    work: W,
 }
 
-impl WithSimd for Batch<'_, '_> {
-    type Output = ();
+impl<W: Work> WithSimd for Batch<'_, W> {
+    type Output = W;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        // At least LANES_KEPT numbers for any instruction set.
-        match LANES_KEPT.div_ceil(S::F64_LANES) {
-            1 | 2 => self.runs.run::<Two<S>, _>(simd, self.faults, &mut self.keeper),
-            3 | 4 => self.runs.run::<Both<Two<S>, Two<S>>, _>(simd, self.faults, &mut self.keeper),
-            5..=8 => self.runs.run::<Both<Both<Two<S>, Two<S>>, Both<Two<S>, Two<S>>>, _>(
-                simd,
-                self.faults,
-                &mut self.keeper,
-            ),
-            _ => {
-                let mut all = Vec::new();
-                for one in self.faults {
-                    let mut keeper = Keeper { shown: vec![Shown::default()] };
-                    self.runs.run::<Register<S>, _>(simd, std::slice::from_ref(one), &mut &mut keeper);
-                    all.append(&mut keeper.shown);
-                }
-                self.keeper.shown = all;
-            }
-        }
+    fn with_simd<S: Simd>(mut self, simd: S) -> W {
+        in_registers(simd, self.faults.len(), &mut self);
+        self.work
     }
 }
 
-/// Candidates whose costs are wanted.
-struct Costs<'a> {
-    runs: &'a Runs<'a>,
-    faults: &'a [Faults],
-    wanted: &'a Wanted,
-}
-
-impl WithSimd for Costs<'_> {
-    type Output = Vec<f64>;
-
+impl<W: Work> LaneWork for Batch<'_, W> {
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
-        let mut costs = vec![0.0; self.faults.len()];
-        let mut rest = self.faults;
-        let mut done = 0;
-        while !rest.is_empty() {
-            let registers = rest.len().div_ceil(S::F64_LANES);
-            let width = if registers == 1 {
-                S::F64_LANES
-            } else if registers == 2 {
-                2 * S::F64_LANES
-            } else {
-                4 * S::F64_LANES
-            };
-            let (now, later) = rest.split_at(rest.len().min(width));
-            let out = &mut costs[done..done + now.len()];
-            match registers {
-                1 => sum::<Register<S>>(simd, self.runs, now, self.wanted, out),
-                2 => sum::<Two<S>>(simd, self.runs, now, self.wanted, out),
-                _ => sum::<Both<Two<S>, Two<S>>>(simd, self.runs, now, self.wanted, out),
-            }
-            done += now.len();
-            rest = later;
-        }
-        costs
+    fn run<L: Lanes>(&mut self, token: L::Token, places: Range<usize>) {
+        let faults = &self.faults[places.clone()];
+        self.work.on::<L>(token, self.runs, faults, places);
     }
-}
-
-/// Two registers side by side.
-type Two<S> = Both<Register<S>, Register<S>>;
-
-#[inline(always)]
-fn sum<L: Lanes>(token: L::Token, runs: &Runs<'_>, faults: &[Faults], wanted: &Wanted, costs: &mut [f64]) {
-    let mut sum = Sum { wanted, cost: L::splat(token, 0.0) };
-    runs.run::<L, _>(token, faults, &mut sum);
-    sum.cost.store(costs);
 }
