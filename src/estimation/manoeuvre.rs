@@ -2,8 +2,6 @@
 
 use std::ops::RangeInclusive;
 
-use crate::models::signal::Signal;
-
 /// The slope of a ramp, m/s: near that of section 6.3, at which the models' bias is known.
 const RAMP_M_PER_S: RangeInclusive<f64> = 0.09..=0.11;
 /// The most slope of a hold, m/s.
@@ -94,14 +92,6 @@ pub fn find(time_s: &[f64], command_m: &[f64]) -> Manoeuvres {
         Window { from_s: middle_s - half_s, to_s: middle_s + half_s }
     });
     Manoeuvres { current, pressure, jump }
-}
-
-/// The command at even times, m: linear between samples, but held over a jump until the sample that ends it.
-#[must_use]
-pub fn resample(time_s: &[f64], command_m: &[f64], time_step_s: f64, end_s: f64) -> Vec<f64> {
-    let command = Signal::command(time_s, command_m);
-    let steps = ((end_s - time_s[0]) / time_step_s).round() as usize + 1;
-    (0..steps).map(|step| command.at(step as f64 * time_step_s)).collect()
 }
 
 /// The mean sampling step of a piece, s.
@@ -216,22 +206,5 @@ mod tests {
         assert!(matches!(found("ramp:-0.1", 2.0, 1000.0), Manoeuvres { current: Some(_), pressure: None, .. }));
         let step = found("sequence:0.1@1", 3.0, 1000.0);
         assert!(step.current.is_none() && (step.pressure.unwrap().from_s - 2.09).abs() < 1e-9, "{step:?}");
-    }
-
-    #[test]
-    fn resampling_returns_the_command_and_keeps_a_step_at_its_time_whenever_the_trace_begins() {
-        let (time_s, command_m) = sampled("diagnostic", 6.0, 1000.0);
-        let drive: Drive = "diagnostic".parse().unwrap();
-        let late: Vec<f64> = time_s.iter().map(|t| t + 100.0).collect();
-        for (time_s, end_s) in [(time_s, 5.11), (late, 105.11)] {
-            let fine = resample(&time_s, &command_m, 2.5e-4, end_s);
-            assert_eq!(fine.len(), 20_441);
-            for (step, value) in fine.iter().enumerate() {
-                let at_s = step as f64 * 2.5e-4;
-                let before_the_jump = (1.999..2.0).contains(&at_s);
-                let off = (value - drive.position_m(at_s, 6.0)).abs();
-                assert!(off < if before_the_jump { 1e-4 } else { 1e-12 }, "{off} at {at_s}");
-            }
-        }
     }
 }

@@ -27,6 +27,7 @@ use crate::models::trace::Trace;
 use crate::numeric::watch::Watch;
 
 use evaluate::Evaluator;
+use manoeuvre::Manoeuvres;
 use method::{Choices, Method};
 use plausibility::{misfits, objections};
 use request::{Objective, Requested};
@@ -162,34 +163,37 @@ pub fn estimate(
     watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
     settings.check()?;
+    if settings.objective == Objective::Trace {
+        return trace::estimate(trace, set, settings, watch);
+    }
+    let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
     match settings.objective {
-        Objective::Trace => trace::estimate(trace, set, settings, watch),
-        Objective::Features => by_features(trace, set, settings, watch),
-        Objective::Auto if !plausibility::features_suffice(trace, set, settings.faults) => {
+        Objective::Auto if !plausibility::features_suffice(trace, &found, set, settings.faults) => {
             trace::estimate(trace, set, settings, watch)
         }
         Objective::Auto => {
-            let estimate = by_features(trace, set, settings, watch)?;
+            let estimate = by_features(trace, &found, set, settings, watch)?;
             // In noise the whole trace knows more; and a spool that stands elsewhere than the current would put it shows what two
             // features cannot, such as a leak.
             let noisy = estimate.kgm_std.is_some_and(|std| std > FEATURES_KGM_STD_MAX);
-            if noisy || estimate.kgm.is_some_and(|kgm| plausibility::spool_contradicts(trace, set, kgm)) {
+            if noisy || estimate.kgm.is_some_and(|kgm| plausibility::spool_contradicts(trace, &found, set, kgm)) {
                 return trace::estimate(trace, set, settings, watch);
             }
             Ok(estimate)
         }
+        Objective::Features | Objective::Trace => by_features(trace, &found, set, settings, watch),
     }
 }
 
 /// Estimates demagnetisation and friction from the two features.
 fn by_features(
     trace: &Trace,
+    found: &Manoeuvres,
     set: &ParameterSet,
     settings: &Settings,
     watch: &dyn Watch,
 ) -> Result<Estimate, EstimationError> {
-    let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
-    let measured = match features::measure(trace, &found, &set.shared()) {
+    let measured = match features::measure(trace, found, &set.shared()) {
         Ok(measured) => measured,
         Err(reasons) => return Ok(Estimate::inconclusive(set, settings, reasons)),
     };

@@ -2,7 +2,7 @@
 //! model at its best.
 
 use super::features::{Features, Measured};
-use super::manoeuvre::{self, Window};
+use super::manoeuvre::{Manoeuvres, Window};
 use super::request::Requested;
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::{Channel, Trace};
@@ -33,8 +33,7 @@ const MISFIT_MAX: f64 = 0.05;
 const CHECK_MAX: f64 = 0.15;
 
 /// Whether a trace has all that the two features take, and no more is asked of it.
-pub fn features_suffice(trace: &Trace, set: &ParameterSet, faults: Requested) -> bool {
-    let found = manoeuvre::find(trace.time_s(), trace.position_command_m());
+pub fn features_suffice(trace: &Trace, found: &Manoeuvres, set: &ParameterSet, faults: Requested) -> bool {
     faults == Requested::KGM_AND_FDJ
         && found.current.is_some()
         && found.pressure.is_some()
@@ -47,13 +46,14 @@ pub fn features_suffice(trace: &Trace, set: &ParameterSet, faults: Requested) ->
 
 /// Whether the spool, where it was recorded, stands elsewhere on the ramp than the current puts it: in a steady state the torque
 /// motor's force holds the feedback spring, and the flapper the flow force (docs/estimation.md).
-pub fn spool_contradicts(trace: &Trace, set: &ParameterSet, kgm: f64) -> bool {
+pub fn spool_contradicts(trace: &Trace, found: &Manoeuvres, set: &ParameterSet, kgm: f64) -> bool {
     let contradicts = || {
         let spool_m = trace.channel(Channel::SpoolPosition)?;
-        let Window { from_s, to_s } = manoeuvre::find(trace.time_s(), trace.position_command_m()).current?;
+        let at = found.current?;
+        let Window { from_s, to_s } = at;
         let mean = |values: &[f64]| mean_between(trace.time_s(), values, from_s, to_s);
         let current_a = mean(trace.channel(Channel::ServovalveCurrent)?)?;
-        let moved_m = inside(trace, trace.position_command_m(), &Window { from_s, to_s });
+        let moved_m = inside(trace, trace.position_command_m(), &at);
         let velocity = (moved_m.last()? - moved_m.first()?) / (to_s - from_s);
         let (shared, own) = (set.shared(), set.reference_model());
         let (first, second) = (&own.first_stage, &own.second_stage);

@@ -102,16 +102,20 @@ mod tests {
     }
 
     #[test]
-    fn a_sampled_diagnostic_command_comes_back_with_its_jumps_in_place() {
+    fn a_sampled_diagnostic_command_comes_back_with_its_jumps_in_place_whenever_the_trace_begins() {
         use crate::models::drive::Drive;
         let time_s: Vec<f64> = (0..=6000).map(|k| f64::from(k) / 1000.0).collect();
         let position = |t: f64| Drive::Diagnostic.position_m(t, 6.0);
-        let signal = Signal::command(&time_s, &time_s.iter().map(|&t| position(t)).collect::<Vec<_>>());
-        for step in 0..=24_000 {
-            let at_s = f64::from(step) * 2.5e-4;
-            let before_the_jump = (1.999..2.0).contains(&at_s);
-            let off = (signal.at(at_s) - position(at_s)).abs();
-            assert!(off < if before_the_jump { 1e-4 } else { 1e-12 }, "{off} at {at_s}");
+        let position_m: Vec<f64> = time_s.iter().map(|&t| position(t)).collect();
+        for start_s in [0.0, 100.0] {
+            let late_s: Vec<f64> = time_s.iter().map(|t| t + start_s).collect();
+            let signal = Signal::command(&late_s, &position_m);
+            for step in 0..=24_000 {
+                let at_s = f64::from(step) * 2.5e-4;
+                let before_the_jump = (1.999..2.0).contains(&at_s);
+                let off = (signal.at(at_s) - position(at_s)).abs();
+                assert!(off < if before_the_jump { 1e-4 } else { 1e-12 }, "{off} at {at_s}");
+            }
         }
     }
 }
