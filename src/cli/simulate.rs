@@ -12,7 +12,7 @@ use super::progress::Bar;
 use super::{Failure, print};
 use crate::formats::{self, Format, ReadOptions};
 use crate::models::drive::{Drive, DriveError};
-use crate::models::fault::Faults;
+use crate::models::fault::{Fault, Faults};
 use crate::models::monitoring::fluid::FluidModel;
 use crate::models::signal::Signal;
 use crate::models::simulate::{ModelKind, Quantity, Simulation, simulate};
@@ -136,46 +136,6 @@ impl From<Fluid> for FluidModel {
     }
 }
 
-/// The faults that `--fault` knows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Fault {
-    Kgm,
-    Fdj,
-    Clearance,
-    Clogging,
-    FeedbackBacklash,
-    JackBacklash,
-    CurrentOffset,
-    Hysteresis,
-}
-
-impl Fault {
-    const ALL: [Self; 8] = [
-        Self::Kgm,
-        Self::Fdj,
-        Self::Clearance,
-        Self::Clogging,
-        Self::FeedbackBacklash,
-        Self::JackBacklash,
-        Self::CurrentOffset,
-        Self::Hysteresis,
-    ];
-
-    /// Its name on the command line.
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Kgm => "kgm",
-            Self::Fdj => "fdj",
-            Self::Clearance => "clearance",
-            Self::Clogging => "clogging",
-            Self::FeedbackBacklash => "feedback_backlash",
-            Self::JackBacklash => "jack_backlash",
-            Self::CurrentOffset => "current_offset",
-            Self::Hysteresis => "hysteresis",
-        }
-    }
-}
-
 fn parse_fault(text: &str) -> Result<(Fault, f64), String> {
     let (name, value) = text.split_once('=').ok_or("expected NAME=VALUE")?;
     let fault = Fault::ALL.into_iter().find(|fault| fault.name() == name).ok_or_else(|| {
@@ -208,16 +168,7 @@ fn recipe(args: &SimulateArgs) -> Result<Simulation, Failure> {
         if all[..i].iter().any(|&(other, _)| other == fault) {
             return Err(Failure::usage(anyhow!("--fault: found {} twice, expected each fault once", fault.name())));
         }
-        match fault {
-            Fault::Kgm => faults.kgm = value,
-            Fault::Fdj => faults.fdj_n = value,
-            Fault::Clearance => faults.clearance_m = value,
-            Fault::Clogging => faults.clogging = value,
-            Fault::FeedbackBacklash => faults.feedback_backlash_m = value,
-            Fault::JackBacklash => faults.jack_backlash_m = value,
-            Fault::CurrentOffset => faults.current_offset_a = value,
-            Fault::Hysteresis => faults.hysteresis_a = value,
-        }
+        *fault.of_mut(&mut faults) = value;
     }
     let model = match args.model {
         Model::Reference => ModelKind::Reference,

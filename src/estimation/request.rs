@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::models::fault::{CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
+use crate::models::fault::{self, CLEARANCE_MAX_M, FDJ_MAX_N, FDJ_NOMINAL_N, Faults};
 
 /// A fault that can be estimated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
@@ -31,17 +31,22 @@ impl Fault {
     pub const ALL: [Self; 6] =
         [Self::Kgm, Self::Fdj, Self::Clearance, Self::Clogging, Self::FeedbackBacklash, Self::CurrentOffset];
 
+    /// The fault of the models.
+    const fn modelled(self) -> fault::Fault {
+        match self {
+            Self::Kgm => fault::Fault::Kgm,
+            Self::Fdj => fault::Fault::Fdj,
+            Self::Clearance => fault::Fault::Clearance,
+            Self::Clogging => fault::Fault::Clogging,
+            Self::FeedbackBacklash => fault::Fault::FeedbackBacklash,
+            Self::CurrentOffset => fault::Fault::CurrentOffset,
+        }
+    }
+
     /// Its name on the command line and over HTTP.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::Kgm => "kgm",
-            Self::Fdj => "fdj",
-            Self::Clearance => "clearance",
-            Self::Clogging => "clogging",
-            Self::FeedbackBacklash => "feedback_backlash",
-            Self::CurrentOffset => "current_offset",
-        }
+        self.modelled().name()
     }
 
     /// Its figure's name in an estimate, with the unit.
@@ -73,26 +78,13 @@ impl Fault {
     /// Its figure in a set of faults.
     #[must_use]
     pub const fn of(self, faults: &Faults) -> f64 {
-        match self {
-            Self::Kgm => faults.kgm,
-            Self::Fdj => faults.fdj_n,
-            Self::Clearance => faults.clearance_m,
-            Self::Clogging => faults.clogging,
-            Self::FeedbackBacklash => faults.feedback_backlash_m,
-            Self::CurrentOffset => faults.current_offset_a,
-        }
+        let mut faults = *faults;
+        *self.of_mut(&mut faults)
     }
 
     /// Its place in a set of faults.
     pub const fn of_mut(self, faults: &mut Faults) -> &mut f64 {
-        match self {
-            Self::Kgm => &mut faults.kgm,
-            Self::Fdj => &mut faults.fdj_n,
-            Self::Clearance => &mut faults.clearance_m,
-            Self::Clogging => &mut faults.clogging,
-            Self::FeedbackBacklash => &mut faults.feedback_backlash_m,
-            Self::CurrentOffset => &mut faults.current_offset_a,
-        }
+        self.modelled().of_mut(faults)
     }
 }
 

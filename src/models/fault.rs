@@ -54,3 +54,67 @@ impl Default for Faults {
         }
     }
 }
+
+/// A fault by its name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    /// Torque-motor demagnetisation KGM.
+    Kgm,
+    /// Dynamic jack friction FDJ.
+    Fdj,
+    /// Radial clearance of the sleeve beyond the nominal one: a leaking valve.
+    Clearance,
+    /// Filter clogging.
+    Clogging,
+    /// Play between the feedback spring and the spool.
+    FeedbackBacklash,
+    /// Play between jack and surface.
+    JackBacklash,
+    /// Offset of the torque motor's current.
+    CurrentOffset,
+    /// Hysteresis of the torque motor.
+    Hysteresis,
+}
+
+impl Fault {
+    /// Every fault.
+    pub const ALL: [Self; 8] = [
+        Self::Kgm,
+        Self::Fdj,
+        Self::Clearance,
+        Self::Clogging,
+        Self::FeedbackBacklash,
+        Self::JackBacklash,
+        Self::CurrentOffset,
+        Self::Hysteresis,
+    ];
+
+    /// Its name on the command line and over HTTP.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Kgm => "kgm",
+            Self::Fdj => "fdj",
+            Self::Clearance => "clearance",
+            Self::Clogging => "clogging",
+            Self::FeedbackBacklash => "feedback_backlash",
+            Self::JackBacklash => "jack_backlash",
+            Self::CurrentOffset => "current_offset",
+            Self::Hysteresis => "hysteresis",
+        }
+    }
+
+    /// Its place in a set of faults, in SI units.
+    pub const fn of_mut(self, faults: &mut Faults) -> &mut f64 {
+        match self {
+            Self::Kgm => &mut faults.kgm,
+            Self::Fdj => &mut faults.fdj_n,
+            Self::Clearance => &mut faults.clearance_m,
+            Self::Clogging => &mut faults.clogging,
+            Self::FeedbackBacklash => &mut faults.feedback_backlash_m,
+            Self::JackBacklash => &mut faults.jack_backlash_m,
+            Self::CurrentOffset => &mut faults.current_offset_a,
+            Self::Hysteresis => &mut faults.hysteresis_a,
+        }
+    }
+}
