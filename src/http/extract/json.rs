@@ -25,10 +25,19 @@ where
     type Rejection = ApiError;
 
     async fn from_request(request: Request, state: &S) -> ApiResult<Self> {
-        let body = RawBody::from_request(request, state).await?;
-        body.kind(&[("application/json", ())])?;
-        parse(body.bytes()).map(Self)
+        parse(json(request, state).await?.bytes()).map(Self)
     }
+}
+
+/// A body whose type is JSON.
+async fn json<S>(request: Request, state: &S) -> ApiResult<RawBody>
+where
+    Limits: FromRef<S>,
+    S: Send + Sync,
+{
+    let body = RawBody::from_request(request, state).await?;
+    body.kind(&[("application/json", ())])?;
+    Ok(body)
 }
 
 /// Reads one JSON value and nothing after it. No body that is read so holds an array; an object may not be given as one.
@@ -50,8 +59,7 @@ where
     type Rejection = ApiError;
 
     async fn from_request(request: Request, state: &S) -> ApiResult<Self> {
-        let body = RawBody::from_request(request, state).await?;
-        body.kind(&[("application/json", ())])?;
+        let body = json(request, state).await?;
         read::<BTreeMap<String, IgnoredAny>>(body.bytes())?;
         read(body.bytes()).map(Self)
     }
