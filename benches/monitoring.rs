@@ -16,10 +16,9 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
-use nalgebra::Matrix4;
-
 use elevon::estimation::evaluate::{Evaluator, Proposal};
-use elevon::models::monitoring::large_step::TIME_STEP_MAX_S;
+use elevon::models::monitoring::Model;
+use elevon::models::monitoring::large_step::{LargeStep, TIME_STEP_MAX_S};
 use elevon::models::parameters::ParameterSet;
 use elevon::models::signal::Signal;
 
@@ -146,19 +145,9 @@ impl Drop for InC {
 
 /// Flapper position, flapper velocity and spool position after a step, by each of them and the force, row by row.
 fn transition(time_step_s: f64) -> Vec<f64> {
-    let own = ParameterSet::reference().monitoring_model().clone();
-    let p = own.first_stage;
-    let (frequency, spring) = (p.natural_frequency_rad_per_s, p.feedback_spring_stiffness_n_per_m);
-    let (squared, stiffness) = (frequency * frequency, p.flapper_stiffness_n_per_m + spring);
-    #[rustfmt::skip]
-    let rates = Matrix4::new(
-        0.0, 1.0, 0.0, 0.0,
-        -squared, -2.0 * p.damping_ratio * frequency, -squared * spring / stiffness, squared / stiffness,
-        own.second_stage.spool_speed_gain_per_s, 0.0, 0.0, 0.0,
-        0.0, 0.0, 0.0, 0.0,
-    );
-    let exact = (rates * time_step_s).exp();
-    (0..12).map(|i| exact[(i / 4, i % 4)]).collect()
+    let set = ParameterSet::reference();
+    let model = Model::new(&set.shared(), set.monitoring_model());
+    LargeStep::new(&model, time_step_s).transition().concat()
 }
 
 /// The diagnostic command at every half step, between the samples of the trace as the estimation takes it, m.
