@@ -1,6 +1,7 @@
 //! How far the monitoring model is from the reference model around a candidate, under the recorded command: a local bias surface,
 //! linear in the faults, learnt from runs of both models at levels to either side of the candidate.
 
+use rand::Rng;
 use rayon::prelude::*;
 
 use super::observed::{CHANNELS, Observations};
@@ -11,6 +12,7 @@ use crate::models::fault::Faults;
 use crate::models::parameters::ParameterSet;
 use crate::models::simulate::{ModelKind, Quantity, Simulation, SimulationError, simulate};
 use crate::models::trace::{Channel, Trace};
+use crate::numeric::rng::Seed;
 use crate::numeric::watch::Watch;
 
 /// Blocks to either side over which the surface's own error is smoothed.
@@ -161,7 +163,12 @@ pub fn feel_noise(
     let held_s = own.torque_motor.interference_sample_time_s.max(own.time_step_s);
     let noise_power_ma2_s = ((1e3 * current.noise).powi(2) * held_s).min(1.0);
     let quiet = recipe(observations, *at);
-    let noisy = |draw| Simulation { noise_power_ma2_s, seed: seed.wrapping_add(draw), ..quiet.clone() };
+    // Not the seed itself: a trace that was simulated with it has that very noise.
+    let noisy = |draw| Simulation {
+        noise_power_ma2_s,
+        seed: Seed(seed).stream("noise inside the loop", draw).next_u64(),
+        ..quiet.clone()
+    };
     let recipes: Vec<Simulation> = std::iter::once(quiet.clone()).chain((0..DRAWS).map(noisy)).collect();
     let runs: Vec<Trace> = recipes.par_iter().map(|recipe| simulate(recipe, set, watch)).collect::<Result<_, _>>()?;
     for place in 0..observations.channels.len() {
