@@ -1,7 +1,7 @@
 //! The trace objective: the monitoring model, driven by what was recorded, is fitted to every recorded channel over the whole trace.
 //!
 //! The data's way: the trace becomes [`observed`] bins; the search proposes faults, which [`runs`] drives through the monitoring
-//! model in lock-step; around the best a [`surface`] says how far the two models are apart; [`fit`] finds the faults on it and how
+//! model in lock-step; around the best a [`surface`] says how far the two models are apart; [`mod@fit`] finds the faults on it and how
 //! well they are known, until neither moves; [`judged`] keeps back what should not be believed.
 
 pub mod fit;
