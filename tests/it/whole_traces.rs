@@ -88,6 +88,20 @@ fn clogging_play_and_offset_are_estimated_when_asked_for() {
 }
 
 #[test]
+fn play_in_the_feedback_spring_is_estimated_from_small_motions_and_what_does_not_settle_is_null() {
+    let truth = Faults { kgm: 0.1, fdj_n: 400.0, feedback_backlash_m: 5e-6, ..Faults::default() };
+    let small = "sequence:0.01@0,-0.01@0.5,0.008@1,-0.008@1.5,0.005@2,-0.005@2.5";
+    let found = estimated(&only(&run(&recipe(small, truth, 3.5)), &USUAL), "kgm,fdj,feedback_backlash");
+    assert_near(&found, &truth, 0.005, 0.01);
+    assert!((found.faults["feedback_backlash_m"].unwrap() - 5e-6).abs() < 5e-7, "{found:?}");
+    let everything = "kgm,fdj,clearance,clogging,feedback_backlash,current_offset";
+    let found = estimated(&run(&recipe("diagnostic", truth, 6.0)), everything);
+    assert_near(&found, &truth, 0.005, 0.01);
+    assert_eq!((found.faults["feedback_backlash_m"], found.faults["clogging"]), (None, None), "{found:?}");
+    assert!(found.reasons.iter().any(|reason| reason.contains("clogging") && reason.contains("settle")), "{found:?}");
+}
+
+#[test]
 fn what_was_not_asked_for_is_null_and_another_actuator_is_not_believed() {
     let truth = Faults { kgm: 0.0, fdj_n: 500.0, ..Faults::default() };
     let trace = run(&recipe("diagnostic", truth, 6.0));

@@ -28,6 +28,8 @@ const BLOCK_S: f64 = 0.25;
 pub struct Fitted {
     /// The candidate.
     pub faults: Faults,
+    /// Whether each fault that varies stays where it is on a surface that is learnt around it.
+    pub settled: Vec<bool>,
     /// The covariance of the faults that vary, in their order.
     pub covariance: DMatrix<f64>,
     /// Observed minus modelled, by channel of the observations, bin by bin.
@@ -89,6 +91,7 @@ pub fn fit(
     let expected = known.iter().map(|channel| channel.iter().map(|w| if *w > 0.0 { w.recip() } else { 0.0 }).collect());
     cost.is_finite().then_some(Fitted {
         faults: at,
+        settled: vec![false; faults.len()],
         covariance,
         expected: expected.collect(),
         residuals: local.residuals,

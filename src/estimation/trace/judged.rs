@@ -76,7 +76,7 @@ pub fn judge(estimate: &mut Estimate, fitted: &Fitted, faults: &[Fault], observa
     let std = |place: usize| fitted.covariance[(place, place)].sqrt();
     for (place, fault) in faults.iter().enumerate() {
         let value = fault.of(&fitted.faults);
-        let determined = explained && std(place) < known(*fault, value);
+        let determined = explained && fitted.settled[place] && std(place) < known(*fault, value);
         if explained && !determined {
             estimate.reasons.push(undetermined(place, faults, fitted));
         }
@@ -113,6 +113,11 @@ fn undetermined(place: usize, faults: &[Fault], fitted: &Fitted) -> String {
         .filter(|other| *other != place)
         .find(|other| (c[(place, *other)] / (c[(place, place)] * c[(*other, *other)]).sqrt()).abs() > ALIKE);
     let (key, std) = (faults[place].key(), c[(place, place)].sqrt());
+    if !fitted.settled[place] {
+        return format!(
+            "this trace does not tell {key} beside the other faults that were asked for: the fit does not settle"
+        );
+    }
     let most = known(faults[place], faults[place].of(&fitted.faults));
     match alike {
         Some(other) => format!(

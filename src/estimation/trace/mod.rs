@@ -28,9 +28,11 @@ use surface::{Surface, spacing};
 /// The part of a channel's scale that the monitoring model without correction is not trusted in.
 const TRUST: f64 = 0.01;
 /// Surfaces that are learnt, each around the best of the one before, until the best stays.
-const SURFACES_MAX: usize = 6;
-/// The best stays when it moves by no more than this part of the levels' spacing.
+const SURFACES_MAX: usize = 12;
+/// The best stays when it moves, and will move, by no more than this part of the levels' spacing.
 const STAYS: f64 = 0.1;
+/// Steps are taken to shrink at least so fast; without it two that are next to nothing would say that there is no end.
+const SHRINKS_MIN: f64 = 0.95;
 /// The polish of the search on the monitoring model alone: where the bias is not corrected yet, a thousandth is enough.
 const POLISH: simplex::Settings = simplex::Settings { width: 0.05, width_min: 1e-3, iterations: 100, cost_enough: 0.0 };
 
@@ -118,6 +120,13 @@ fn proposal(faults: &[Fault], candidate: &[f64]) -> Faults {
     proposal
 }
 
+/// How far a fault will still move after a step, when its steps go on shrinking as from the one before: where two faults look alike
+/// they shrink so slowly that many small ones make a long way.
+fn to_come(step: f64, before: f64) -> f64 {
+    let ratio = (step / before).min(SHRINKS_MIN);
+    step * ratio / (1.0 - ratio)
+}
+
 /// The best of the corrected model: on surface after surface, until it stays.
 fn refine(
     start: Faults,
@@ -128,20 +137,37 @@ fn refine(
 ) -> Result<Option<Fitted>, SimulationError> {
     let runs = &Runs::new(observations, set);
     let mut at = start;
+    let mut before = vec![f64::INFINITY; faults.len()];
     let mut fitted = None;
     for round in 0..SURFACES_MAX {
         let (from, to) = (round as f64, (round + 1) as f64);
         let part = |round: f64| 0.5 + 0.5 * round / SURFACES_MAX as f64;
         let surface =
             Surface::learn(&at, faults, runs, observations, set, &Stretch { watch, from: part(from), to: part(to) })?;
-        let Some(found) = fit(&at, faults, runs, observations, &surface) else { return Ok(None) };
+        let Some(mut found) = fit(&at, faults, runs, observations, &surface) else { return Ok(None) };
         let moved = |fault: &Fault| (fault.of(&found.faults) - fault.of(&at)).abs() / spacing(*fault, fault.of(&at));
-        let stays = faults.iter().all(|fault| moved(fault) <= STAYS);
-        at = found.faults;
+        let steps: Vec<f64> = faults.iter().map(moved).collect();
+        found.settled =
+            steps.iter().zip(&before).map(|(step, before)| step.max(to_come(*step, *before)) <= STAYS).collect();
+        let stays = found.settled.iter().all(|settled| *settled);
+        (at, before) = (found.faults, steps);
         fitted = Some(found);
         if stays {
             break;
         }
     }
     Ok(fitted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::to_come;
+
+    #[test]
+    fn what_is_to_come_is_the_sum_of_the_steps_that_follow() {
+        let follow: f64 = (1..200).map(|k| 0.1 * 0.8f64.powi(k)).sum();
+        assert!((to_come(0.1, 0.125) - follow).abs() < 1e-12, "{follow}");
+        assert_eq!(to_come(0.1, f64::INFINITY), 0.0);
+        assert!((to_come(1e-3, 1e-3) - 0.019).abs() < 1e-12, "no end is not taken for one of next to nothing");
+    }
 }
