@@ -13,7 +13,7 @@ use super::progress::{Bar, Part};
 use super::{Failure, first_of, print, read_file, refused};
 use crate::estimation::method::{Choices, Method};
 use crate::estimation::request::{Objective, Requested};
-use crate::estimation::{Estimate, Settings, estimate};
+use crate::estimation::{Estimate, Settings, Verdict, estimate};
 use crate::formats::{self, FormatError, ReadOptions};
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::Trace;
@@ -123,16 +123,36 @@ fn bad_input(errors: &[FormatError]) -> Failure {
     Failure::usage(anyhow!("--{}", first_of(errors)))
 }
 
+/// A standard deviation for a person, never as nothing.
+fn spread(std: f64, decimals: usize) -> String {
+    let least = 10f64.powi(-i32::try_from(decimals).unwrap_or(i32::MAX));
+    if std < 0.5 * least { format!("<{least:.decimals$}") } else { format!("{std:.decimals$}") }
+}
+
 /// A report for a person.
 fn told(report: &Report<'_>, set: &ParameterSet) -> String {
     let estimate = &report.estimate;
     let mut lines = vec![report.file.display().to_string()];
-    match (estimate.kgm.zip(estimate.kgm_std), estimate.fdj_n.zip(estimate.fdj_n_std)) {
-        (Some((kgm, kgm_std)), Some((fdj_n, fdj_std))) => {
-            lines.push(format!("  torque-motor demagnetisation KGM  {kgm:8.4} ± {kgm_std:.4}"));
-            lines.push(format!("  dynamic jack friction FDJ         {fdj_n:8.2} ± {fdj_std:.2} N"));
+    if estimate.verdict == Verdict::Inconclusive {
+        lines.push("  inconclusive".into());
+    }
+    let other = |key: &str| {
+        (estimate.faults.get(key).copied().flatten(), estimate.faults.get(&format!("{key}_std")).copied().flatten())
+    };
+    // What, its figure and standard deviation, how many of its unit are one in SI, the decimals, the unit.
+    let rows = [
+        ("torque-motor demagnetisation KGM", (estimate.kgm, estimate.kgm_std), 1.0, 4, ""),
+        ("dynamic jack friction FDJ", (estimate.fdj_n, estimate.fdj_n_std), 1.0, 2, " N"),
+        ("extra radial clearance", other("clearance_m"), 1e6, 2, " µm"),
+        ("filter clogging", other("clogging"), 1.0, 3, ""),
+        ("feedback-spring backlash", other("feedback_backlash_m"), 1e6, 2, " µm"),
+        ("current offset", other("current_offset_a"), 1e3, 4, " mA"),
+    ];
+    for (what, figures, per_si, decimals, unit) in rows {
+        if let (Some(value), Some(std)) = figures {
+            let spread = spread(std * per_si, decimals);
+            lines.push(format!("  {what:32}  {:8.decimals$} ± {spread}{unit}", value * per_si));
         }
-        _ => lines.push("  inconclusive".into()),
     }
     lines.extend(estimate.reasons.iter().map(|reason| format!("  {reason}")));
     let (evaluations, ms) = (estimate.evaluations, report.elapsed_s * 1e3);
@@ -140,4 +160,17 @@ fn told(report: &Report<'_>, set: &ParameterSet) -> String {
     lines
         .push(format!("  {evaluations} model runs, seed {}, parameter set {name}@{hash}, {ms:.0} ms\n", estimate.seed));
     lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::spread;
+
+    #[test]
+    fn a_spread_is_never_shown_as_nothing() {
+        assert_eq!(
+            [spread(0.004, 2), spread(0.0, 4), spread(0.006, 2), spread(1.5, 2)],
+            ["<0.01", "<0.0001", "0.01", "1.50"]
+        );
+    }
 }

@@ -3,7 +3,7 @@
 import { badge, command } from "./fleet.js";
 import { h, reconcile } from "./dom.js";
 import { figureOf } from "./figure.js";
-import { FAULTS, amount, faultGrowth, faultLimit, faultValue, fixed, interval90, median, percent, unitName, when } from "./format.js";
+import { FAULTS, amount, faultGrowth, faultLimit, faultSpread, faultValue, fixed, interval90, median, percent, unitName, when } from "./format.js";
 import { statusOf } from "./status.js";
 import { lifeStrip } from "./strip.js";
 
@@ -151,7 +151,7 @@ function parting(lifeStart, unit) {
 
 function historyRow(item, earlier) {
   const cell = (fault) => h("td", {}, item[fault.value] === null ? "–" : [
-    faultValue(fault, item[fault.value], false), item[fault.std] !== null && h("span", { class: "pm" }, ` ± ${faultValue(fault, item[fault.std], false)}`),
+    faultValue(fault, item[fault.value], false), item[fault.std] !== null && h("span", { class: "pm" }, ` ± ${faultSpread(fault, item[fault.std], false)}`),
   ]);
   return h("tr", { class: earlier ? "earlier" : null, "data-verdict": item.verdict },
     h("td", { class: "time" }, h("a", { href: `/v1/traces/${encodeURIComponent(item.trace_id)}` }, when(item.recorded_at))),

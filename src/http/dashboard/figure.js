@@ -2,7 +2,7 @@
 
 import { drawChart, frame } from "./chart.js";
 import { h, s } from "./dom.js";
-import { amount, counted, faultLimit, faultValue, interval90, median, when } from "./format.js";
+import { amount, counted, faultLimit, faultSpread, faultValue, interval90, median, when } from "./format.js";
 
 const PAGE = 10;
 
@@ -88,7 +88,7 @@ function said(stop, { fault, unit }) {
   const time = h("span", {}, when(stop.recorded_at));
   if (stop.value === null) return [h("b", {}, "inconclusive"), place, time];
   return [
-    h("b", {}, value(stop.value)), stop.std !== null && h("span", {}, `± ${faultValue(fault, stop.std)}`),
+    h("b", {}, value(stop.value)), stop.std !== null && h("span", {}, `± ${faultSpread(fault, stop.std)}`),
     place, time, stop.earlier && h("span", {}, "earlier life"),
   ].filter(Boolean);
 }

@@ -1,7 +1,7 @@
 /** The fleet ranked by risk: columns, rows, filters and the empty state. */
 
 import { byId, h, reconcile, refill } from "./dom.js";
-import { FAULTS, OVER, amount, counted, faultLimit, faultValue, interval90, median, percent, unitName, unitSymbol } from "./format.js";
+import { FAULTS, OVER, amount, counted, faultLimit, faultSpread, faultValue, interval90, median, percent, unitName, unitSymbol } from "./format.js";
 import { gauge, lifeAxis, lifeRange, lifeScale } from "./gauges.js";
 import { STATUSES, statusOf } from "./status.js";
 
@@ -90,7 +90,7 @@ function measure({ newest, thresholds }, fault) {
   const std = newest?.[fault.std] ?? null;
   const figure = value === null
     ? h("span", { class: "none" }, newest ? "inconclusive" : "no record")
-    : [h("b", {}, faultValue(fault, value, false)), std !== null && h("span", { class: "pm" }, `±${faultValue(fault, std, false)}`)];
+    : [h("b", {}, faultValue(fault, value, false)), std !== null && h("span", { class: "pm" }, `±${faultSpread(fault, std, false)}`)];
   return h("span", { class: "measure" },
     h("span", { class: "figure" }, h("span", { class: "tag" }, fault.axis), figure, h("span", { class: "of" }, faultLimit(fault, thresholds[fault.value], false))),
     gauge(value, std, thresholds[fault.value]));

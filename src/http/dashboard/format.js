@@ -51,10 +51,16 @@ export function faultValue(fault, value, withUnit = true) {
   return fixed(value, fault.decimals) + (withUnit && fault.unit ? NBSP + fault.unit : "");
 }
 
+/** A fault's standard deviation, its unit where it is asked for, and never as nothing. */
+export function faultSpread(fault, std, withUnit = true) {
+  const least = 10 ** -fault.decimals;
+  return std < 0.5 * least ? `<${faultValue(fault, least, withUnit)}` : faultValue(fault, std, withUnit);
+}
+
 /** How much a fault has grown, with its sign, its standard deviation where there is one, and its unit. */
 export function faultGrowth(fault, value, std) {
   const sign = value < 0 ? "\u2212" : "+";
-  const doubt = std === null ? "" : ` ± ${fixed(std, fault.decimals)}`;
+  const doubt = std === null ? "" : ` ± ${faultSpread(fault, std, false)}`;
   return sign + fixed(Math.abs(value), fault.decimals) + doubt + (fault.unit ? NBSP + fault.unit : "");
 }
 
