@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 use utoipa::ToSchema;
 
+use crate::models::fault::Faults;
 use crate::models::parameters::ParameterSet;
 use crate::models::trace::Trace;
 use crate::numeric::watch::Watch;
@@ -173,10 +174,18 @@ pub fn estimate(
         }
         Objective::Auto => {
             let estimate = by_features(trace, &found, set, settings, watch)?;
-            // In noise the whole trace knows more; and a spool that stands elsewhere than the current would put it shows what two
-            // features cannot, such as a leak.
+            // In noise the whole trace knows more; and a spool that stands elsewhere than the current would put it, or a trace that
+            // departs from the model elsewhere, shows what two features cannot: a leak, another actuator, another supply.
+            let departs = |estimate: &Estimate| {
+                let found = estimate.kgm.zip(estimate.fdj_n);
+                found
+                    .is_some_and(|(kgm, fdj_n)| trace::departs(trace, set, &Faults { kgm, fdj_n, ..Faults::default() }))
+            };
             let noisy = estimate.kgm_std.is_some_and(|std| std > FEATURES_KGM_STD_MAX);
-            if noisy || estimate.kgm.is_some_and(|kgm| plausibility::spool_contradicts(trace, &found, set, kgm)) {
+            if noisy
+                || estimate.kgm.is_some_and(|kgm| plausibility::spool_contradicts(trace, &found, set, kgm))
+                || departs(&estimate)
+            {
                 return trace::estimate(trace, set, settings, watch);
             }
             Ok(estimate)

@@ -163,6 +163,28 @@ fn a_recorded_load_or_another_supply_is_inconclusive() {
 }
 
 #[test]
+fn an_actuator_that_two_features_take_for_another_one_is_told_by_the_rest_of_its_trace() {
+    let usual = [Channel::PositionCommand, Channel::ServovalveCurrent, Channel::LoadPressure, Channel::JackPosition];
+    let others = [
+        ("jack.area_m2", "0.00104"),
+        ("reference.fluid.supply_pressure_pa", "15e6"),
+        ("reference.fluid.clearance_extra_m", "30e-6"),
+    ];
+    others.par_iter().for_each(|(name, value)| {
+        let set = ParameterSet::reference().with(&[((*name).to_owned(), (*value).to_owned())]).unwrap();
+        let faults = Faults { kgm: 0.15, fdj_n: 500.0, ..Faults::default() };
+        let recipe = Simulation::new(ModelKind::Reference, "diagnostic".parse().unwrap(), faults, 6.0, 1000.0);
+        let trace = simulate(&recipe, &set, &Unwatched).unwrap();
+        let channels = usual.map(|channel| (channel, trace.channel(channel).unwrap().to_vec()));
+        let bare = Trace::try_new(trace.time_s().to_vec(), channels.into(), Vec::new()).unwrap();
+        let by_features = Settings { objective: Objective::Features, ..Settings::default() };
+        let taken_in = estimate(&bare, &ParameterSet::reference(), &by_features, &Unwatched).unwrap();
+        assert_eq!(taken_in.verdict, Verdict::Conclusive, "{name}: {taken_in:?}");
+        assert_inconclusive(&estimated(&bare), "do not explain servovalve_current_a");
+    });
+}
+
+#[test]
 fn a_random_walk_of_both_sensors_is_not_believed() {
     let command_m = diagnostic(0.1, 300.0);
     let walks = (0..30u64).into_par_iter().filter(|&seed| {

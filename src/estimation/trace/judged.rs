@@ -10,8 +10,6 @@ use crate::models::parameters::ParameterSet;
 use crate::models::trace::{Channel, Trace};
 use crate::numeric::statistics::range;
 
-/// How many times its noise a channel may leave beside.
-const NOISE_MARGIN: f64 = 1.5;
 /// The least time in which a channel tells something, s.
 const INFORMATIVE_MIN_S: f64 = 0.3;
 /// The least motion of the command and, as a part of it, of the jack.
@@ -145,9 +143,8 @@ fn misfits(fitted: &Fitted, observations: &Observations) -> Vec<String> {
     for ((channel, residuals), variances) in observations.channels.iter().zip(&fitted.residuals).zip(&fitted.expected) {
         // The white noise is averaged out in a block; what it moves and what the surface leaves is not.
         let slow: Vec<f64> = variances.iter().map(|v| (v - channel.noise * channel.noise).max(0.0).sqrt()).collect();
-        let noise = channel.noise_mean_square(bin_s) + channel.block_mean_square(&slow, bin_s);
-        let noise = NOISE_MARGIN * NOISE_MARGIN * noise;
-        let left = (channel.block_mean_square(residuals, bin_s) - noise).max(0.0).sqrt() / channel.scale;
+        let expected = channel.noise_mean_square(bin_s) + channel.block_mean_square(&slow, bin_s);
+        let left = channel.left(residuals, expected, bin_s);
         let most = misfit_max(channel.channel);
         if left > most {
             reasons.push(format!(

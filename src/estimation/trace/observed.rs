@@ -16,6 +16,8 @@ const REST_M_PER_S: f64 = 1e-4;
 const REST_WINDOW_S: f64 = 0.05;
 /// The length of a block, s.
 const FIT_BLOCK_S: f64 = 0.02;
+/// How many times its noise a channel may leave beside.
+const NOISE_MARGIN: f64 = 1.5;
 /// The time over which differences are averaged before they are judged, s.
 const BLOCK_S: f64 = 0.05;
 /// How long the run starts before the command's first change, s.
@@ -63,6 +65,13 @@ impl Observed {
         squares.sort_unstable_by(f64::total_cmp);
         squares.truncate((squares.len() * 9).div_ceil(10));
         squares.iter().sum::<f64>() / squares.len().max(1) as f64
+    }
+
+    /// The part of the scale that a difference's means over blocks leave beside a mean square that was expected of them.
+    #[must_use]
+    pub fn left(&self, difference: &[f64], expected_mean_square: f64, bin_s: f64) -> f64 {
+        let expected = NOISE_MARGIN * NOISE_MARGIN * expected_mean_square;
+        (self.block_mean_square(difference, bin_s) - expected).max(0.0).sqrt() / self.scale
     }
 
     /// The mean square that its white noise leaves in the means over blocks.
@@ -237,11 +246,15 @@ fn motion(trace: &Trace) -> Result<std::ops::Range<usize>, String> {
 fn bin(time_s: &[f64], values: &[f64], bin_s: f64, bins: usize) -> Vec<f64> {
     let signal = Signal::new(time_s, values, f64::INFINITY);
     let start_s = time_s[0];
+    let (mut low, mut high) = (0, 0);
     (0..bins)
         .map(|bin| {
             let middle_s = bin as f64 * bin_s;
-            let at = |offset: f64| time_s.partition_point(|t| *t - start_s < middle_s + offset * bin_s);
-            let (low, high) = (at(-0.5), at(0.5));
+            // The bins rise with the times: each begins its search where the one before ended.
+            let after =
+                |from: usize, at_s: f64| from + time_s[from..].iter().take_while(|t| *t - start_s < at_s).count();
+            low = after(low, middle_s - 0.5 * bin_s);
+            high = after(high.max(low), middle_s + 0.5 * bin_s);
             if high >= low + 2 {
                 values[low..high].iter().sum::<f64>() / (high - low) as f64
             } else {
