@@ -19,8 +19,7 @@ pub fn competing(parts: &[(&str, &Prognosis)]) -> Result<Prognosis, PrognosisErr
         }
     }
     let risk_window = parts.first().map_or(0.0, |(_, part)| part.risk_window);
-    let mut together =
-        Prognosis { forecast: None, reasons, risk: None, risk_window, band: Vec::new(), lives: Vec::new() };
+    let mut together = Prognosis { reasons, risk_window, ..Prognosis::default() };
     let Some((_, _, first)) = known.first() else {
         if parts.is_empty() {
             together.reasons.push("no fault to forecast".to_owned());

@@ -3,10 +3,12 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::change::Change;
+use super::fleet::LifeEvidence;
 use super::life::{self, Life};
 
 /// Nodes of the survival function, denser near now.
-const NODES: usize = 64;
+const NODES: usize = 40;
 
 /// The probabilities of the quantiles.
 const PROBABILITIES: [f64; 7] = [0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95];
@@ -79,7 +81,7 @@ pub struct BandPoint {
 }
 
 /// All that is said of a fault, or of an actuator, at one usage.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Prognosis {
     /// The forecast; none without an observation.
     pub forecast: Option<Forecast>,
@@ -92,6 +94,12 @@ pub struct Prognosis {
     /// The band from `at` to where its median crosses the threshold, or to the horizon; empty without a forecast, and
     /// for competing faults.
     pub band: Vec<BandPoint>,
+    /// The degradation laws and how probable each is, 0 to 1; empty without a forecast, and for competing faults.
+    pub laws: Vec<(String, f64)>,
+    /// Outliers and steps of the history, in order of usage.
+    pub changes: Vec<Change>,
+    /// What the history says of the length of its life, prior apart, for a fleet to learn from.
+    pub evidence: Option<LifeEvidence>,
     pub(super) lives: Vec<Life>,
 }
 

@@ -1,9 +1,10 @@
 //! The remaining life of one fault.
 
+use super::change::{Change, ChangeKind};
 use super::forecast::{self, BandPoint, Prognosis};
 use super::history::{History, Observation, Point, PrognosisError, Question};
 use super::life::Life;
-use super::line;
+use super::posterior::{self, Posterior, Setting};
 
 /// Points of the band.
 const BAND_POINTS: usize = 24;
@@ -16,36 +17,62 @@ const BAND_POINTS: usize = 24;
 /// # Errors
 /// All fields of the history and the question that are not finite, out of range or out of order, up to 100.
 pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Prognosis, PrognosisError> {
-    let history = History::new(history, question)?;
-    let mut prognosis = Prognosis {
-        forecast: None,
-        reasons: Vec::new(),
-        risk: None,
-        risk_window: question.risk_window,
-        band: Vec::new(),
-        lives: Vec::new(),
-    };
-    let lines = line::posterior(&history.points);
-    if lines.is_empty() {
+    let whole = History::new(history, question)?;
+    let (history, changes) = whole.without_changes(history, question)?;
+    let mut prognosis = Prognosis { risk_window: question.risk_window, ..Prognosis::default() };
+    if history.points.is_empty() {
         prognosis.reasons.push(format!("no observation of this life up to usage {}", question.at));
         return Ok(prognosis);
     }
     prognosis.reasons.extend(weakness(&history.points));
-    let life = Life::new(lines, history.scale);
+    prognosis.reasons.extend(changes.iter().map(told));
+    prognosis.changes = changes;
+    let posterior = posterior(&history, &history.points, question);
+    let life = Life::new(posterior.paths, history.scale);
     let passed = life.passed(0.0) > 0.5;
-    let reached = passed && confirmed(&history);
+    let reached = passed && confirmed(&history, question);
     if passed && !reached {
         prognosis
             .reasons
             .push("one observation alone says that the threshold is passed; another has to confirm it".into());
     }
     let lives = vec![life];
-    let forecast = forecast::forecast(&lives, question.at, history.horizon, reached, vec!["line".to_owned()]);
+    let laws = posterior.laws.iter().map(|(law, _)| law.name().to_owned()).collect();
+    let forecast = forecast::forecast(&lives, question.at, whole.horizon, reached, laws);
+    prognosis.laws = posterior.laws.iter().map(|(law, probability)| (law.name().to_owned(), *probability)).collect();
     prognosis.risk = Some(1.0 - forecast::survival(&lives, question.risk_window));
-    prognosis.band = band(&lives[0], question, forecast.quantiles.q50.unwrap_or(history.horizon));
+    prognosis.band = band(&lives[0], question.at, &history, forecast.quantiles.q50.unwrap_or(whole.horizon));
     prognosis.forecast = Some(forecast);
+    prognosis.evidence = posterior.evidence;
     prognosis.lives = lives;
     Ok(prognosis)
+}
+
+fn posterior(history: &History, points: &[Point], question: &Question) -> Posterior {
+    let setting = Setting {
+        at: history.at,
+        scale: history.scale,
+        life: &question.prior,
+        healthy_known: question.healthy.is_some(),
+    };
+    posterior::posterior(points, setting)
+}
+
+/// A change as a sentence.
+fn told(change: &Change) -> String {
+    let Change { kind, usage, size } = change;
+    match kind {
+        ChangeKind::Outlier => {
+            format!("the observation at usage {usage} lies {size:.3} from its neighbours: it counts next to nothing")
+        }
+        ChangeKind::Step => {
+            format!("the level steps by {size:.3} at usage {usage}: growth is taken to go on from there")
+        }
+        ChangeKind::Renewal => format!(
+            "the level falls back by {:.3} at usage {usage}, as after maintenance: only what comes after it is used",
+            size.abs()
+        ),
+    }
 }
 
 /// Why the history says nothing about the rate of growth, if so.
@@ -65,24 +92,26 @@ fn weakness(points: &[Point]) -> Option<String> {
 
 /// Whether the threshold counts as passed without the only observation past it, where there is only one. The others
 /// have to tell of a rate of growth themselves: the prior's confirms nothing.
-fn confirmed(history: &History) -> bool {
+fn confirmed(history: &History, question: &Question) -> bool {
     let past = |point: &Point| point.value >= 1.0;
     if history.points.iter().filter(|p| past(p)).count() != 1 {
         return true;
     }
     let others: Vec<Point> = history.points.iter().filter(|p| !past(p)).copied().collect();
-    let lines = line::posterior(&others);
-    !lines.is_empty() && weakness(&others).is_none() && Life::new(lines, history.scale).passed(0.0) > 0.5
+    if others.is_empty() || weakness(&others).is_some() {
+        return false;
+    }
+    Life::new(posterior(history, &others, question).paths, history.scale).passed(0.0) > 0.5
 }
 
 /// The 90 % band of the value from `at` over `length` of usage.
-fn band(life: &Life, question: &Question, length: f64) -> Vec<BandPoint> {
+fn band(life: &Life, at: f64, history: &History, length: f64) -> Vec<BandPoint> {
     let points = if length > 0.0 { BAND_POINTS } else { 1 };
     let elapsed: Vec<f64> = (0..points).map(|i| length * i as f64 / (BAND_POINTS - 1) as f64).collect();
-    let value = |level: f64| question.healthy + level * (question.threshold - question.healthy);
+    let value = |level: f64| history.healthy + level * history.distance;
     let point = |(elapsed, levels): (&f64, [f64; 3])| {
         let [best, median, worst] = levels.map(value);
-        BandPoint { usage: question.at + elapsed, low: best.min(worst), median, high: best.max(worst) }
+        BandPoint { usage: at + elapsed, low: best.min(worst), median, high: best.max(worst) }
     };
     elapsed.iter().zip(life.levels(&elapsed)).map(point).collect()
 }

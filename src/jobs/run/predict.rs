@@ -11,7 +11,8 @@ use utoipa::ToSchema;
 use super::{Compute, panic_text};
 use crate::models::fault::FDJ_NOMINAL_N;
 use crate::prognostics::{
-    BandPoint, Direction, Forecast, Observation, Prognosis, PrognosisError, Question, competing, remaining_life,
+    BandPoint, Direction, Forecast, LifePrior, Observation, Prognosis, PrognosisError, Question, competing,
+    remaining_life,
 };
 use crate::store::records::{self, Actuator, ForecastRecord, HealthRecord, Id, UsageUnit};
 use crate::store::{LifeHistory, Records, StoreError};
@@ -144,7 +145,9 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> 
     let life_start = life_start_usage.filter(|&start| start <= at);
     let ask = |threshold, healthy, figure: fn(&HealthRecord) -> (Option<f64>, Option<f64>)| {
         let direction = Direction::Rising;
-        let question = Question { threshold, direction, healthy, at, life_start, horizon: None, risk_window };
+        let prior = LifePrior::Watched;
+        let healthy = Some(healthy);
+        let question = Question { threshold, direction, healthy, at, life_start, horizon: None, risk_window, prior };
         remaining_life(&observations(history, figure), &question)
     };
     let kgm = ask(actuator.thresholds.kgm, 0.0, |record| (record.kgm, record.kgm_std));

@@ -1,0 +1,46 @@
+//! The prior of a life: from the age alone, or from the lives of a fleet.
+
+use super::fleet::Fleet;
+
+/// The median of the life over the age (chosen: the question comes at a moment unrelated to the end, as likely in the first half
+/// of the life as in the second).
+const AGES: f64 = 2.0;
+/// The standard deviation of its logarithm (chosen: nine lives in ten are between 1 and 4 ages long).
+const DEVIATION: f64 = 0.45;
+/// The same where parts are watched that mostly are healthy: the law of Student with heavy tails, so that a life of many ages
+/// is not ruled out.
+const WATCHED_DEVIATION: f64 = 0.4;
+const WATCHED_DEGREES: f64 = 3.0;
+
+/// The prior of the life of one fault: of the usage at which the mean of its growth comes to the threshold.
+#[derive(Debug, Clone, Default)]
+pub enum LifePrior {
+    /// Log-normal in life over age: for a history by itself.
+    #[default]
+    Age,
+    /// The same with the tails of Student's law with 3 degrees of freedom: for parts that are watched from new on.
+    Watched,
+    /// From the lives of others of its type.
+    Fleet(Fleet),
+}
+
+impl LifePrior {
+    /// The logarithm of the density of the logarithm of a life of so many scales, each of so much usage.
+    pub(super) fn log_density(&self, life: f64, scale: f64) -> f64 {
+        match self {
+            Self::Age => normal((life / AGES).ln() / DEVIATION) - DEVIATION.ln(),
+            Self::Watched => watched(life),
+            Self::Fleet(fleet) => fleet.log_density(life * scale, watched(life)),
+        }
+    }
+}
+
+fn normal(deviate: f64) -> f64 {
+    -0.5 * deviate * deviate - 0.918_938_533_204_672_8
+}
+
+fn watched(life: f64) -> f64 {
+    let z = (life / AGES).ln() / WATCHED_DEVIATION;
+    // The constant is the logarithm of the density of Student's law with 3 degrees of freedom at 0.
+    -1.000_888_8 - 0.5 * (WATCHED_DEGREES + 1.0) * (z * z / WATCHED_DEGREES).ln_1p() - WATCHED_DEVIATION.ln()
+}
