@@ -182,7 +182,7 @@ impl Jobs {
         count_finished(job.kind, JobState::Succeeded);
         tracing::info!(job_id = %id, kind, attempt, "job succeeded");
         if let Outcome::Estimated { trace_id, .. } = outcome
-            && let Err(error) = self.forecast_after(*trace_id).await
+            && let Err(error) = self.insist(id, || self.forecast_after(*trace_id)).await
         {
             tracing::warn!(job_id = %id, error = causes(&error), "forecast left to its next reader");
         }
