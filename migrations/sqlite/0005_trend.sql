@@ -1,5 +1,4 @@
--- How the forecasts of an actuator moved: one row for each newest trace of a life, what was forecast last while it was the
--- newest. The least integer stands for the start of the first life, which began with the actuator. The figures of the actuator
+-- How the forecasts of an actuator moved: one row for each trace of a life, what was forecast last while it was the newest. The least integer stands for the start of the first life, which began with the actuator. The figures of the actuator
 -- have columns, those of its faults are an object; a forecast that could not be made is null, its `reached` with it.
 CREATE TABLE forecast_trend (
     actuator_id TEXT NOT NULL REFERENCES actuators (id),

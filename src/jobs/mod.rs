@@ -237,6 +237,12 @@ impl Jobs {
         Ok(predict::document(&life))
     }
 
+    /// Gives a trace its step of its actuator's trend, unless it has one.
+    async fn fill_trend(&self, actuator: &Actuator, trace: Id) -> Result<(), StoreError> {
+        let (records, compute) = (self.records.as_ref(), self.compute.clone());
+        predict::fill_trend(records, compute, actuator, trace, &self.settings.asked()).await
+    }
+
     /// Brings every forecast up to date, for a list of the whole fleet. Callers take turns: who waited finds it done.
     ///
     /// # Errors

@@ -125,7 +125,7 @@ impl Prognosis {
             return None;
         }
         let within = |known: &(f64, Option<f64>)| Some((known.0, known.1?));
-        let below = pairs.iter().filter_map(within).filter(|known| known.0 < p).last();
+        let below = pairs.iter().filter_map(within).rfind(|known| known.0 < p);
         let above = pairs.iter().filter_map(within).find(|known| known.0 > p);
         let (mut low, mut high) = (below.map_or(0.0, |known| known.1), above.map_or(*horizon, |known| known.1));
         for _ in 0..QUANTILE_STEPS_MAX {

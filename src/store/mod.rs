@@ -221,6 +221,8 @@ pub trait Records: Send + Sync {
     /// Keeps a forecast, and with it the step of the trend that it makes, if the actuator still is at the revision that it was
     /// made from; `false`, and nothing kept, otherwise. A step of the same life and newest trace is replaced, others stay.
     async fn store_forecast(&self, forecast: &ForecastRecord, step: Option<&TrendRecord>) -> Result<bool, StoreError>;
+    /// Keeps a step of the trend unless one of its life and trace is kept already; whether it was kept.
+    async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError>;
     /// The trend of an actuator's forecasts, life by life, in each ascending by usage, then by the time at which they were made:
     /// the steps whose trace was recorded at `from <= recorded_at < to` and is not excluded.
     async fn trend(

@@ -422,7 +422,7 @@ pub struct TrendFaults {
     pub fdj_n: Option<TrendFigures>,
 }
 
-/// A step of an actuator's trend: what was forecast while a trace was the newest of its life.
+/// A step of an actuator's trend: what was forecast from the traces of a life up to one, the newest then.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrendRecord {
     /// The actuator.

@@ -221,7 +221,7 @@ async fn the_trend_is_read_page_by_page_and_cut_by_from_and_to() {
     assert_eq!((first, rest, end), (vec![10.0, 20.0, 30.0], vec![50.0], None));
     assert_eq!(usages("from=2026-03-02T12:00:00Z&to=2026-03-05T12:00:00Z").await.0, [20.0, 30.0]);
     estimated(&service, &actuator, 4, 0.2).await;
-    assert_eq!(usages("").await.0, [10.0, 20.0, 30.0, 50.0], "a late upload adds no row");
+    assert_eq!(usages("").await.0, [10.0, 20.0, 30.0, 40.0, 50.0], "a late upload has its own row");
     let overhauled = json!({"kind": "overhauled", "at": "2026-03-06T00:00:00Z", "usage": 55.0});
     let maintenance = format!("/v1/actuators/{actuator}/maintenance");
     service.post_json(&maintenance, &overhauled).await.expect(StatusCode::CREATED);
@@ -229,7 +229,7 @@ async fn the_trend_is_read_page_by_page_and_cut_by_from_and_to() {
     let renewed = service.get(&format!("{path}?from=2026-03-06T00:00:00Z")).await;
     assert_eq!(renewed.text("/items/0/life_started_at"), "2026-03-06T00:00:00Z");
     assert_eq!(renewed.value("/items/0/life_start_usage"), 55.0);
-    assert_eq!(usages("").await.0, [10.0, 20.0, 30.0, 50.0, 70.0]);
+    assert_eq!(usages("").await.0, [10.0, 20.0, 30.0, 40.0, 50.0, 70.0]);
 }
 
 #[tokio::test]

@@ -81,6 +81,7 @@ macro_rules! records_engine {
             trend::{
                 contract_a_forecast_is_kept_with_its_step_of_the_trend_or_not_at_all,
                 contract_a_step_of_the_same_life_and_trace_is_replaced_and_others_stay,
+                contract_a_step_fills_a_gap_and_replaces_none,
                 contract_the_trend_is_sorted_by_life_and_usage_page_by_page,
                 contract_the_trend_is_cut_by_the_time_of_recording,
                 contract_the_steps_of_an_excluded_trace_are_left_out_until_it_is_taken_back,

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 use crate::jobs::run::predict::Risk;
 use crate::store::records::{Id, TrendFigures, TrendRecord};
 
-/// What was forecast of an actuator when a trace was the newest of its life.
+/// What was forecast of an actuator from the traces of a life up to one.
 #[derive(Debug, Serialize, ToSchema)]
 pub struct TrendItem {
     /// The trace.

@@ -156,13 +156,44 @@ pub(in crate::jobs) async fn made(
     asked: &RiskQuestion,
 ) -> Result<(RemainingLife, LifeHistory), StoreError> {
     let unknown = LifeHistory { revision: actuator.revision, ..LifeHistory::default() };
-    let history = Arc::new(records.life_history(actuator.id).await?.unwrap_or(unknown));
+    let history = records.life_history(actuator.id).await?.unwrap_or(unknown);
+    Ok(computed(compute, actuator, history, asked).await)
+}
+
+/// Computes a forecast where that may take its time.
+async fn computed(
+    compute: Arc<dyn Compute>,
+    actuator: &Actuator,
+    history: LifeHistory,
+    asked: &RiskQuestion,
+) -> (RemainingLife, LifeHistory) {
+    let history = Arc::new(history);
     let (known, asked, given) = (actuator.clone(), *asked, history.clone());
     let life = match spawn_blocking(move || compute.predict(&known, &given, &asked)).await {
         Ok(life) => life,
         Err(ended) => failed(actuator, &asked, ended),
     };
-    Ok((life, Arc::unwrap_or_clone(history)))
+    (life, Arc::unwrap_or_clone(history))
+}
+
+/// Gives a trace that is not the newest of the current life its step of the trend, made from the history up to it, unless it
+/// has one: its upload came late, or other estimates ended before the forecast was made.
+pub(in crate::jobs) async fn fill_trend(
+    records: &dyn Records,
+    compute: Arc<dyn Compute>,
+    actuator: &Actuator,
+    trace: Id,
+    asked: &RiskQuestion,
+) -> Result<(), StoreError> {
+    let Some(mut history) = records.life_history(actuator.id).await? else { return Ok(()) };
+    let place = history.records.iter().position(|record| record.trace_id == trace);
+    let Some(place) = place.filter(|place| place + 1 < history.records.len()) else { return Ok(()) };
+    history.records.truncate(place + 1);
+    let (life, history) = computed(compute, actuator, history, asked).await;
+    match trend::step(records::now(), asked, &life, &history) {
+        Some(step) => records.fill_trend(&step).await.map(drop),
+        None => Ok(()),
+    }
 }
 
 /// A forecast as JSON.
@@ -178,7 +209,7 @@ async fn after_forecast(
     life: &RemainingLife,
     history: &LifeHistory,
 ) -> Result<(), StoreError> {
-    let step = trend::step(forecast, asked, life, history);
+    let step = trend::step(forecast.created_at, asked, life, history);
     // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
     records.store_forecast(forecast, step.as_ref()).await.map(drop)
 }

@@ -1,13 +1,15 @@
 //! The trend: what stays of each forecast when the next is made.
 
-use super::predict::{RemainingLife, Risk, RiskQuestion, TimedForecast};
+use jiff::Timestamp;
+
+use super::predict::{RemainingLife, Risk, RiskQuestion, TimedForecast, basis};
 use crate::store::LifeHistory;
-use crate::store::records::{ForecastRecord, TrendFaults, TrendFigures, TrendRecord};
+use crate::store::records::{TrendFaults, TrendFigures, TrendRecord};
 
 /// The step that a forecast makes in its actuator's trend; none before the first trace of the life, and of a forecast that
 /// failed.
 pub(super) fn step(
-    forecast: &ForecastRecord,
+    made_at: Timestamp,
     asked: &RiskQuestion,
     life: &RemainingLife,
     history: &LifeHistory,
@@ -15,20 +17,20 @@ pub(super) fn step(
     let newest = history.records.last()?;
     let (kgm, fdj_n) = (&life.faults.kgm, &life.faults.fdj_n);
     Some(TrendRecord {
-        actuator_id: forecast.actuator_id,
+        actuator_id: life.actuator_id,
         life_started_at: history.life_started_at,
         life_start_usage: history.life_start_usage,
         trace_id: newest.trace_id,
         recorded_at: newest.recorded_at,
         usage: life.usage?,
-        made_at: forecast.created_at,
+        made_at,
         risk_window: asked.within,
         actuator: figures(life.forecast.as_ref(), life.risk),
         faults: TrendFaults {
             kgm: figures(kgm.forecast.as_ref(), kgm.risk),
             fdj_n: figures(fdj_n.forecast.as_ref(), fdj_n.risk),
         },
-        basis: forecast.basis.clone(),
+        basis: basis(asked),
         version: life.version.clone(),
     })
 }

@@ -221,6 +221,10 @@ impl Records for SqliteRecords {
         fleet::store_forecast(&self.writer, forecast, step).await
     }
 
+    async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError> {
+        trend::fill(&self.writer, step).await
+    }
+
     async fn trend(
         &self,
         actuator: Id,

@@ -1,8 +1,8 @@
 //! The trend of the forecasts in SQLite: what stays of each when the next is made.
 
 use jiff::Timestamp;
-use sqlx::SqliteConnection;
 use sqlx::sqlite::{SqlitePool, SqliteRow};
+use sqlx::{SqliteConnection, SqliteExecutor};
 
 use super::row::{Reader, micros};
 use crate::store::records::{Id, TrendFigures, TrendRecord};
@@ -11,10 +11,21 @@ use crate::store::{Page, Paged, StoreError};
 /// The start of a first life, which began with the actuator.
 const FIRST_LIFE: i64 = i64::MIN;
 
-const KEEP: &str = "INSERT OR REPLACE INTO forecast_trend
-    (actuator_id, trace_id, life_started_at, life_start_usage, recorded_at, usage, made_at, risk_window, q05, q50, q95, mean,
-    reached, risk, faults, basis, version)
-    VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)";
+/// An insertion of a step; what to do about one of the same life and trace.
+macro_rules! insert {
+    ($or:literal) => {
+        concat!(
+            "INSERT OR ",
+            $or,
+            " INTO forecast_trend (actuator_id, trace_id, life_started_at, life_start_usage, recorded_at, usage, made_at,
+            risk_window, q05, q50, q95, mean, reached, risk, faults, basis, version)
+            VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17)"
+        )
+    };
+}
+
+const KEEP: &str = insert!("REPLACE");
+const FILL: &str = insert!("IGNORE");
 pub(super) const LIST: &str =
     "SELECT actuator_id, trace_id, life_started_at, life_start_usage, recorded_at, usage, made_at,
     risk_window, q05, q50, q95, mean, reached, risk, faults, basis, version FROM forecast_trend
@@ -27,8 +38,17 @@ type Place = (i64, (f64, (i64, Id)));
 
 /// Keeps a step in the place of an earlier one of the same life and trace, within the transaction that keeps its forecast.
 pub(super) async fn keep(connection: &mut SqliteConnection, step: &TrendRecord) -> Result<(), StoreError> {
+    insert(connection, KEEP, step).await.map(drop)
+}
+
+/// Keeps a step unless one of the same life and trace is kept already.
+pub(super) async fn fill(writer: &SqlitePool, step: &TrendRecord) -> Result<bool, StoreError> {
+    Ok(insert(writer, FILL, step).await? > 0)
+}
+
+async fn insert(executor: impl SqliteExecutor<'_>, sql: &'static str, step: &TrendRecord) -> Result<u64, StoreError> {
     let figures = step.actuator;
-    sqlx::query(KEEP)
+    let inserted = sqlx::query(sql)
         .bind(step.actuator_id.to_string())
         .bind(step.trace_id.to_string())
         .bind(life(step))
@@ -46,9 +66,9 @@ pub(super) async fn keep(connection: &mut SqliteConnection, step: &TrendRecord) 
         .bind(serde_json::to_string(&step.faults).expect("figures have names"))
         .bind(&step.basis)
         .bind(&step.version)
-        .execute(connection)
+        .execute(executor)
         .await?;
-    Ok(())
+    Ok(inserted.rows_affected())
 }
 
 pub(super) async fn list(

@@ -160,6 +160,34 @@ async fn every_estimation_leaves_its_step_of_the_trend_without_a_reader() {
 }
 
 #[tokio::test]
+async fn estimates_that_come_late_or_end_together_have_their_steps_from_what_was_recorded_up_to_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let id = registered(&*bench.records, "A").await.id;
+    for i in [1, 2, 4] {
+        measured(&*bench.records, id, 100 * i, Some(0.04 * i as f64)).await;
+    }
+    forecast(&bench, id).await;
+    let newest = trend(&bench, id).await;
+    assert_eq!(newest.len(), 1, "no worker estimated these");
+    let (late, _) = bench.upload(id, 300, csv()).await;
+    assert_eq!(bench.run_all().await, 1);
+    let steps = trend(&bench, id).await;
+    assert_eq!(steps.iter().map(|step| step.usage).collect::<Vec<_>>(), [300.0, 400.0]);
+    assert_eq!((steps[0].trace_id, steps[0].recorded_at), (late.id, at(300)));
+    assert!(steps[0].actuator.is_some() && steps[0].made_at > newest[0].made_at);
+    assert_ne!(steps[1].actuator, newest[0].actuator, "the newest is forecast with it");
+    let twin = registered(&*bench.records, "B").await.id;
+    for i in [1, 2] {
+        measured(&*bench.records, twin, 100 * i, Some(0.04 * i as f64)).await;
+    }
+    bench.upload(twin, 300, csv()).await;
+    assert_eq!(bench.run_all().await, 1);
+    let alone = trend(&bench, twin).await;
+    assert_eq!((alone[0].usage, alone[0].actuator), (300.0, steps[0].actuator), "as if nothing had come after it");
+}
+
+#[tokio::test]
 async fn a_late_upload_and_another_threshold_change_the_newest_step_alone() {
     let dir = tempfile::tempdir().unwrap();
     let bench = Bench::open(dir.path(), driven(), Models).await;

@@ -50,6 +50,18 @@ pub async fn contract_a_step_of_the_same_life_and_trace_is_replaced_and_others_s
     assert_eq!(trend(&*records, actuator).await, [first, again, renewed], "the same trace in another life");
 }
 
+pub async fn contract_a_step_fills_a_gap_and_replaces_none(records: Arc<dyn Records>) {
+    let actuator = registered(&*records, "A").await.id;
+    let first = step(actuator, measured(&*records, actuator, 10, Some(0.1)).await, 10);
+    let second = step(actuator, measured(&*records, actuator, 20, Some(0.2)).await, 20);
+    kept(&*records, &second).await;
+    assert!(records.fill_trend(&first).await.unwrap());
+    let again = TrendRecord { actuator: None, made_at: now(), ..second.clone() };
+    assert!(!records.fill_trend(&again).await.unwrap());
+    assert_eq!(trend(&*records, actuator).await, [first.clone(), second]);
+    records.fill_trend(&TrendRecord { trace_id: Id::now(), ..first }).await.unwrap_err();
+}
+
 pub async fn contract_the_trend_is_sorted_by_life_and_usage_page_by_page(records: Arc<dyn Records>) {
     let (actuator, other) = (registered(&*records, "A").await.id, registered(&*records, "B").await.id);
     let mut expected = Vec::new();

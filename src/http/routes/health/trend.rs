@@ -13,12 +13,12 @@ use crate::http::openapi::RecordListProblems;
 use crate::http::routes::actuator;
 use crate::store::Paged;
 
-/// How the forecast of an actuator moved: one row for each trace that was the newest of its life when a forecast was made, with
-/// what was forecast last while it was.
+/// How the forecast of an actuator moved: one row for each estimated trace of a life, with what was forecast last while it was
+/// the newest.
 ///
 /// Life by life, in each ascending by usage, then by the time at which the forecast was made. `from` and `to` mean the time at
-/// which the trace was recorded. A late upload changes no earlier row. The rows of an excluded trace are left out as long as it
-/// is.
+/// which the trace was recorded. A trace that comes late has a row made from the traces up to it; rows of other traces stay as
+/// they were made. The rows of an excluded trace are left out as long as it is.
 #[utoipa::path(
     get,
     path = "/v1/actuators/{id}/remaining-life/trend",
