@@ -17,6 +17,7 @@ use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Timestamp;
 use tokio::sync::Mutex;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
@@ -237,8 +238,8 @@ impl Jobs {
         Ok(predict::document(&life))
     }
 
-    /// Gives a trace its step of its actuator's trend, unless it has one.
-    async fn fill_trend(&self, actuator: &Actuator, trace: Id) -> Result<(), StoreError> {
+    /// Gives a trace, recorded at a time, its step of its actuator's trend, unless it has one.
+    async fn fill_trend(&self, actuator: &Actuator, trace: (Id, Timestamp)) -> Result<(), StoreError> {
         let (records, compute) = (self.records.as_ref(), self.compute.clone());
         predict::fill_trend(records, compute, actuator, trace, &self.settings.asked()).await
     }

@@ -190,10 +190,11 @@ impl Jobs {
 
     async fn forecast_after(&self, trace: Id) -> Result<(), StoreError> {
         let record = self.records.trace(trace).await?;
-        let Some(actuator_id) = record.and_then(|record| record.actuator_id) else { return Ok(()) };
+        let known = record.and_then(|record| record.actuator_id.zip(record.recorded_at));
+        let Some((actuator_id, recorded_at)) = known else { return Ok(()) };
         let Some(actuator) = self.records.actuator(actuator_id).await? else { return Ok(()) };
         self.forecast(&actuator).await?;
-        self.fill_trend(&actuator, trace).await
+        self.fill_trend(&actuator, (trace, recorded_at)).await
     }
 
     /// Asks until the store answers, for what must not be lost. An error is one that would never pass, or, when the

@@ -176,18 +176,23 @@ async fn computed(
     (life, Arc::unwrap_or_clone(history))
 }
 
-/// Gives a trace that is not the newest of the current life its step of the trend, made from the history up to it, unless it
-/// has one: its upload came late, or other estimates ended before the forecast was made.
+/// Gives a trace that is not the newest of its actuator its step of the trend, made from its life's history up to it, unless
+/// it has one: its upload came late, or other estimates ended before the forecast was made.
 pub(in crate::jobs) async fn fill_trend(
     records: &dyn Records,
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
-    trace: Id,
+    (trace, recorded_at): (Id, Timestamp),
     asked: &RiskQuestion,
 ) -> Result<(), StoreError> {
     let Some(mut history) = records.life_history(actuator.id).await? else { return Ok(()) };
-    let place = history.records.iter().position(|record| record.trace_id == trace);
-    let Some(place) = place.filter(|place| place + 1 < history.records.len()) else { return Ok(()) };
+    if history.records.last().is_some_and(|newest| newest.trace_id == trace) {
+        return Ok(());
+    }
+    if !history.records.iter().any(|record| record.trace_id == trace) {
+        history = trend::life_up_to(records, actuator.id, recorded_at).await?;
+    }
+    let Some(place) = history.records.iter().position(|record| record.trace_id == trace) else { return Ok(()) };
     history.records.truncate(place + 1);
     let (life, history) = computed(compute, actuator, history, asked).await;
     match trend::step(records::now(), asked, &life, &history) {

@@ -1,10 +1,14 @@
 //! The trend: what stays of each forecast when the next is made.
 
-use jiff::Timestamp;
+use jiff::{SignedDuration, Timestamp};
 
 use super::predict::{RemainingLife, Risk, RiskQuestion, TimedForecast, basis};
-use crate::store::LifeHistory;
-use crate::store::records::{TrendFaults, TrendFigures, TrendRecord};
+use crate::jobs::baselines;
+use crate::store::records::{Id, TrendFaults, TrendFigures, TrendRecord};
+use crate::store::{LifeHistory, Page, Paged, Records, StoreError};
+
+/// Records that are read at once.
+const AT_ONCE: u32 = 500;
 
 /// The step that a forecast makes in its actuator's trend; none before the first trace of the life, and of a forecast that
 /// failed.
@@ -33,6 +37,28 @@ pub(super) fn step(
         basis: basis(asked),
         version: life.version.clone(),
     })
+}
+
+/// The history of the life in which something was recorded at a time, up to that time: a life that may be over.
+pub(super) async fn life_up_to(records: &dyn Records, actuator: Id, at: Timestamp) -> Result<LifeHistory, StoreError> {
+    let life = baselines::lives(records, actuator).await?.into_iter().find(|life| life.has(at));
+    let start = life.and_then(|life| life.start);
+    let mut history = LifeHistory {
+        life_started_at: start.as_ref().map(|event| event.at),
+        life_start_usage: start.map(|event| event.usage),
+        ..LifeHistory::default()
+    };
+    // The end of a span is not part of it.
+    let end = at.checked_add(SignedDuration::from_micros(1)).unwrap_or(at);
+    let mut page = Page { after: None, limit: AT_ONCE };
+    loop {
+        let Paged { items, next_cursor } = records.health(actuator, history.life_started_at, Some(end), &page).await?;
+        history.records.extend(items);
+        page.after = next_cursor;
+        if page.after.is_none() {
+            return Ok(history);
+        }
+    }
 }
 
 fn figures(forecast: Option<&TimedForecast>, risk: Option<Risk>) -> Option<TrendFigures> {

@@ -231,6 +231,29 @@ async fn a_new_life_goes_on_with_the_trend_and_the_old_one_s_steps_stay() {
 }
 
 #[tokio::test]
+async fn a_trace_of_a_life_that_is_over_has_its_step_in_that_life() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let id = registered(&*bench.records, "A").await.id;
+    for second in [100, 250] {
+        maintained(&*bench.records, id, MaintenanceKind::Replaced, second).await;
+    }
+    for second in [50, 150, 170, 300] {
+        measured(&*bench.records, id, second, Some(0.1)).await;
+    }
+    let (late, _) = bench.upload(id, 160, csv()).await;
+    let (first, _) = bench.upload(id, 60, csv()).await;
+    assert_eq!(bench.run_all().await, 2);
+    let steps: Vec<_> = trend(&bench, id)
+        .await
+        .iter()
+        .map(|step| (step.trace_id, step.life_started_at, step.life_start_usage))
+        .collect();
+    assert_eq!(steps[..2], [(first.id, None, None), (late.id, Some(at(100)), Some(100.0))]);
+    assert_eq!((steps.len(), steps[2].1), (3, Some(at(250))));
+}
+
+#[tokio::test]
 async fn restarts_and_other_settings_do_not_multiply_the_steps() {
     let dir = tempfile::tempdir().unwrap();
     let mut basis = String::new();
