@@ -13,12 +13,13 @@ use thiserror::Error;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 
-use crate::config::Config;
+use crate::config::{Config, ThresholdsConfig};
 use crate::http::limits::Limits;
 use crate::http::{self, App};
 use crate::jobs::dispatch::InProcess;
 use crate::jobs::{JobSettings, Jobs, sets};
 use crate::store::local::{LocalTraces, create_durably};
+use crate::store::records::Thresholds;
 use crate::store::sqlite::SqliteRecords;
 use crate::store::{Records, StoreError, Traces};
 use crate::telemetry;
@@ -169,10 +170,13 @@ fn app(config: &Config, records: &SqliteRecords, traces: LocalTraces) -> App {
         time_limit: Duration::from_secs_f64(config.jobs.time_limit_s),
         stop_limit: JOBS_STOP,
         risk_window: config.prognostics.risk_window,
+        act_at_risk: config.prognostics.act_at_risk,
     };
     let jobs = Jobs::new(Arc::clone(&records), Arc::clone(&traces), Arc::new(InProcess::default()), settings);
     let baseline_traces = config.prognostics.baseline_traces;
-    App { records, traces, jobs, baseline_traces, limits: Limits::from(&config.http) }
+    let ThresholdsConfig { kgm, fdj_n } = config.prognostics.thresholds;
+    let (thresholds, limits) = (Thresholds { kgm, fdj_n }, Limits::from(&config.http));
+    App { records, traces, jobs, baseline_traces, thresholds, limits }
 }
 
 /// Creates the data folder where it is missing, and takes it for this process.

@@ -1,6 +1,7 @@
 //! Settings: built-in defaults, overlaid by a TOML file, overlaid by the environment, each limit with its range.
 //!
-//! A variable `ELEVON_HTTP_BODY_LIMIT_BYTES` sets `http.body_limit_bytes`. `config/elevon.toml` documents every key with
+//! A variable `ELEVON_HTTP_BODY_LIMIT_BYTES` sets `http.body_limit_bytes`, `ELEVON_PROGNOSTICS_THRESHOLDS_KGM`
+//! `prognostics.thresholds.kgm`. `config/elevon.toml` documents every key with
 //! its default. A key that does not exist is an error wherever it stands.
 
 use std::net::SocketAddr;
@@ -105,13 +106,33 @@ pub struct PrognosticsConfig {
     /// A failure within this much further usage is the risk that orders the fleet, in the actuator's usage unit, above
     /// 0, at most 1 000 000.
     pub risk_window: f64,
+    /// The probability of a failure at which to act, above 0 and below 1: forecasts tell the usage by which it is reached.
+    pub act_at_risk: f64,
     /// The healthy traces that make an actuator's baseline, 1 to 100.
     pub baseline_traces: usize,
+    /// The failure thresholds of an actuator that is registered without its own.
+    pub thresholds: ThresholdsConfig,
 }
 
 impl Default for PrognosticsConfig {
     fn default() -> Self {
-        Self { risk_window: 100.0, baseline_traces: 5 }
+        Self { risk_window: 100.0, act_at_risk: 0.05, baseline_traces: 5, thresholds: ThresholdsConfig::default() }
+    }
+}
+
+/// The fault levels at which an actuator counts as failed, in the ranges of a registration.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ThresholdsConfig {
+    /// Torque-motor demagnetisation KGM, 0.01 to 1.
+    pub kgm: f64,
+    /// Dynamic jack friction FDJ, N, 210 to 2000.
+    pub fdj_n: f64,
+}
+
+impl Default for ThresholdsConfig {
+    fn default() -> Self {
+        Self { kgm: 0.4, fdj_n: 1000.0 }
     }
 }
 
@@ -176,7 +197,7 @@ impl Config {
 
     /// Overlays the defaults with a TOML text and the environment, and checks what comes of it.
     fn from_sources(toml: &str, environment: Env) -> Result<Self, ConfigError> {
-        let environment = environment.map(|key| key.as_str().replacen('_', ".", 1).into());
+        let environment = environment.map(|key| key_of(key.as_str()).into());
         let config: Self = Figment::from(Serialized::defaults(Self::default()))
             .merge(Toml::string(toml))
             .merge(environment)
@@ -198,17 +219,28 @@ impl Config {
             ("jobs.attempts_max", f64::from(self.jobs.attempts_max), 1.0, 100.0),
             ("jobs.time_limit_s", self.jobs.time_limit_s, 1.0, 86_400.0),
             ("prognostics.risk_window", self.prognostics.risk_window, f64::MIN_POSITIVE, 1e6),
+            ("prognostics.act_at_risk", self.prognostics.act_at_risk, f64::MIN_POSITIVE, 1.0_f64.next_down()),
             ("prognostics.baseline_traces", self.prognostics.baseline_traces as f64, 1.0, 100.0),
+            ("prognostics.thresholds.kgm", self.prognostics.thresholds.kgm, 0.01, 1.0),
+            ("prognostics.thresholds.fdj_n", self.prognostics.thresholds.fdj_n, 210.0, 2000.0),
         ];
         ranges
             .into_iter()
             .filter(|(_, found, min, max)| !(min..=max).contains(&found))
-            .map(|(key, found, min, max)| match min {
-                f64::MIN_POSITIVE => format!("{key}: found {found}, expected above 0, at most {max}"),
+            .map(|(key, found, min, max)| match (min, max) {
+                (f64::MIN_POSITIVE, ..1.0) => format!("{key}: found {found}, expected above 0, below 1"),
+                (f64::MIN_POSITIVE, _) => format!("{key}: found {found}, expected above 0, at most {max}"),
                 _ => format!("{key}: found {found}, expected {min} to {max}"),
             })
             .collect()
     }
+}
+
+/// The key that an environment variable sets, without its prefix: the section ends at the first underscore, a section within
+/// it at the end of its name.
+fn key_of(variable: &str) -> String {
+    let key = variable.to_lowercase().replacen('_', ".", 1);
+    key.replace("prognostics.thresholds_", "prognostics.thresholds.")
 }
 
 /// A figment error on one line: the key, what was found, what was expected, and where it stands.
@@ -270,6 +302,31 @@ mod tests {
         assert!(error.contains("jobs.queue_limit: found 0"), "{error}");
         assert!(error.contains("prognostics.risk_window: found 0"), "{error}");
         assert!(error.contains("prognostics.baseline_traces: found 0, expected 1 to 100"), "{error}");
+    }
+
+    #[test]
+    fn a_risk_to_act_at_is_neither_nothing_nor_certain() {
+        for risk in ["0.0", "1.0", "-0.1", "nan"] {
+            let error = from_toml(&format!("[prognostics]\nact_at_risk = {risk}")).unwrap_err();
+            assert!(error.contains("prognostics.act_at_risk: found") && error.contains("above 0, below 1"), "{error}");
+        }
+        assert_eq!(from_toml("[prognostics]\nact_at_risk = 0.2").unwrap().prognostics.act_at_risk, 0.2);
+    }
+
+    #[test]
+    fn default_thresholds_are_in_the_ranges_of_a_registration() {
+        let error = from_toml("[prognostics.thresholds]\nkgm = 0.009\nfdj_n = 2000.1").unwrap_err();
+        assert!(error.contains("prognostics.thresholds.kgm: found 0.009, expected 0.01 to 1"), "{error}");
+        assert!(error.contains("prognostics.thresholds.fdj_n: found 2000.1, expected 210 to 2000"), "{error}");
+        let thresholds = from_toml("[prognostics.thresholds]\nkgm = 0.3").unwrap().prognostics.thresholds;
+        assert_eq!(thresholds, ThresholdsConfig { kgm: 0.3, fdj_n: 1000.0 });
+    }
+
+    #[test]
+    fn a_variable_names_a_key_by_its_sections() {
+        assert_eq!(key_of("HTTP_BODY_LIMIT_BYTES"), "http.body_limit_bytes");
+        assert_eq!(key_of("PROGNOSTICS_THRESHOLDS_FDJ_N"), "prognostics.thresholds.fdj_n");
+        assert_eq!(key_of("PROGNOSTICS_RISK_WINDOW"), "prognostics.risk_window");
     }
 
     #[test]

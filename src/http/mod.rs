@@ -19,6 +19,7 @@ use std::sync::Arc;
 use axum::extract::FromRef;
 
 use crate::jobs::Jobs;
+use crate::store::records::Thresholds;
 use crate::store::{Records, Traces};
 use limits::Limits;
 
@@ -33,6 +34,8 @@ pub struct App {
     pub jobs: Jobs,
     /// Healthy traces that make an actuator's baseline, at least 1.
     pub baseline_traces: usize,
+    /// The failure thresholds of an actuator that is registered without its own.
+    pub thresholds: Thresholds,
     /// What a request may cost.
     pub limits: Limits,
 }

@@ -34,7 +34,9 @@ impl Life {
         self.start.as_ref().map(|event| event.at)
     }
 
-    fn has(&self, at: Timestamp) -> bool {
+    /// Whether something was recorded in it.
+    #[must_use]
+    pub fn has(&self, at: Timestamp) -> bool {
         self.since().is_none_or(|since| since <= at) && self.end.is_none_or(|end| at < end)
     }
 }
@@ -156,7 +158,7 @@ async fn revision(records: &dyn Records, actuator: Id) -> Result<Option<i64>, St
 }
 
 /// Every life of an actuator, ascending; at least the first.
-async fn lives(records: &dyn Records, actuator: Id) -> Result<Vec<Life>, StoreError> {
+pub(super) async fn lives(records: &dyn Records, actuator: Id) -> Result<Vec<Life>, StoreError> {
     let mut lives = vec![Life { start: None, end: None }];
     let mut page = Page { after: None, limit: LOOKED_AT_MAX as u32 };
     loop {

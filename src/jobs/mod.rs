@@ -17,6 +17,7 @@ use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Timestamp;
 use tokio::sync::Mutex;
 use tokio::time::timeout;
 use tokio_util::sync::CancellationToken;
@@ -26,6 +27,7 @@ use crate::store::records::{self, Actuator, ForecastRecord, Id, Job, JobState, N
 use crate::store::{Records, StoreError, Traces};
 use dispatch::Dispatch;
 use kind::JobSpec;
+use run::predict::RiskQuestion;
 use run::{Compute, Models, predict};
 use text::causes;
 
@@ -46,6 +48,8 @@ pub struct JobSettings {
     pub stop_limit: Duration,
     /// The usage ahead, in the actuator's unit, over which the fleet's risk is counted.
     pub risk_window: f64,
+    /// The probability of a failure at which to act, above 0 and below 1.
+    pub act_at_risk: f64,
 }
 
 impl Default for JobSettings {
@@ -57,7 +61,16 @@ impl Default for JobSettings {
             time_limit: Duration::from_secs(300),
             stop_limit: Duration::from_secs(10),
             risk_window: 100.0,
+            act_at_risk: 0.05,
         }
+    }
+}
+
+impl JobSettings {
+    /// What every stored forecast answers.
+    fn asked(&self) -> RiskQuestion {
+        let Self { risk_window, act_at_risk, .. } = *self;
+        RiskQuestion { risk_window, within: risk_window, act_at_risk }
     }
 }
 
@@ -106,7 +119,7 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn start(&self) -> Result<(), StoreError> {
-        self.records.expire_forecasts(&predict::basis(self.settings.risk_window)).await?;
+        self.records.expire_forecasts(&predict::basis(&self.settings.asked())).await?;
         for id in self.records.recover_jobs(self.settings.attempts_max, records::now()).await? {
             self.dispatch.publish(id).await;
         }
@@ -200,7 +213,35 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn forecast(&self, actuator: &Actuator) -> Result<ForecastRecord, StoreError> {
-        predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, self.settings.risk_window).await
+        predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, &self.settings.asked()).await
+    }
+
+    /// The remaining life of an actuator as it is served, with the risk within other usage ahead and at another risk to act
+    /// than the service's own, where they are told. The stored one answers the service's own; others are made anew and not
+    /// stored.
+    ///
+    /// # Errors
+    /// The store fails.
+    pub async fn remaining_life(
+        &self,
+        actuator: &Actuator,
+        within: Option<f64>,
+        act_at_risk: Option<f64>,
+    ) -> Result<serde_json::Value, StoreError> {
+        let own = self.settings.asked();
+        let (within, act_at_risk) = (within.unwrap_or(own.within), act_at_risk.unwrap_or(own.act_at_risk));
+        let asked = RiskQuestion { within, act_at_risk, ..own };
+        if asked == own {
+            return Ok(self.forecast(actuator).await?.document);
+        }
+        let (life, _) = predict::made(self.records.as_ref(), self.compute.clone(), actuator, &asked).await?;
+        Ok(predict::document(&life))
+    }
+
+    /// Gives a trace, recorded at a time, its step of its actuator's trend, unless it has one.
+    async fn fill_trend(&self, actuator: &Actuator, trace: (Id, Timestamp)) -> Result<(), StoreError> {
+        let (records, compute) = (self.records.as_ref(), self.compute.clone());
+        predict::fill_trend(records, compute, actuator, trace, &self.settings.asked()).await
     }
 
     /// Brings every forecast up to date, for a list of the whole fleet. Callers take turns: who waited finds it done.

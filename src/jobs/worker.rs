@@ -182,17 +182,19 @@ impl Jobs {
         count_finished(job.kind, JobState::Succeeded);
         tracing::info!(job_id = %id, kind, attempt, "job succeeded");
         if let Outcome::Estimated { trace_id, .. } = outcome
-            && let Err(error) = self.forecast_after(*trace_id).await
+            && let Err(error) = self.insist(id, || self.forecast_after(*trace_id)).await
         {
             tracing::warn!(job_id = %id, error = causes(&error), "forecast left to its next reader");
         }
     }
 
     async fn forecast_after(&self, trace: Id) -> Result<(), StoreError> {
-        let trace = self.records.trace(trace).await?;
-        let Some(actuator_id) = trace.and_then(|trace| trace.actuator_id) else { return Ok(()) };
+        let record = self.records.trace(trace).await?;
+        let known = record.and_then(|record| record.actuator_id.zip(record.recorded_at));
+        let Some((actuator_id, recorded_at)) = known else { return Ok(()) };
         let Some(actuator) = self.records.actuator(actuator_id).await? else { return Ok(()) };
-        self.forecast(&actuator).await.map(drop)
+        self.forecast(&actuator).await?;
+        self.fill_trend(&actuator, (trace, recorded_at)).await
     }
 
     /// Asks until the store answers, for what must not be lost. An error is one that would never pass, or, when the

@@ -10,6 +10,11 @@ use super::life::{self, Life};
 /// Nodes of the survival function, denser near now.
 const NODES: usize = 40;
 
+/// How near a quantile that is asked for comes, as a share of it.
+const QUANTILE_TOLERANCE: f64 = 1e-6;
+/// The most halvings that it may take.
+const QUANTILE_STEPS_MAX: usize = 100;
+
 /// The probabilities of the quantiles.
 const PROBABILITIES: [f64; 7] = [0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95];
 
@@ -110,6 +115,36 @@ impl Prognosis {
     pub fn survival(&self, elapsed: f64) -> Option<f64> {
         (!self.lives.is_empty()).then(|| survival(&self.lives, elapsed.max(0.0)))
     }
+
+    /// The remaining life, in usage from `at`, by which a threshold is passed with probability `p` (above 0, below 1); none
+    /// without a forecast, and beyond the horizon.
+    #[must_use]
+    pub fn quantile(&self, p: f64) -> Option<f64> {
+        let Forecast { quantiles, horizon, .. } = self.forecast.as_ref()?;
+        let pairs = quantiles.pairs();
+        if let Some((_, known)) = pairs.iter().find(|(known, _)| *known == p) {
+            return *known;
+        }
+        let passed = |elapsed: f64| self.survival(elapsed).map_or(0.0, |survival| 1.0 - survival);
+        if passed(0.0) >= p {
+            return Some(0.0);
+        }
+        if passed(*horizon) < p {
+            return None;
+        }
+        let within = |known: &(f64, Option<f64>)| Some((known.0, known.1?));
+        let below = pairs.iter().filter_map(within).rfind(|known| known.0 < p);
+        let above = pairs.iter().filter_map(within).find(|known| known.0 > p);
+        let (mut low, mut high) = (below.map_or(0.0, |known| known.1), above.map_or(*horizon, |known| known.1));
+        for _ in 0..QUANTILE_STEPS_MAX {
+            if high - low <= QUANTILE_TOLERANCE * high {
+                break;
+            }
+            let middle = 0.5 * (low + high);
+            *if passed(middle) < p { &mut low } else { &mut high } = middle;
+        }
+        Some(high)
+    }
 }
 
 /// The survival of independent lives, of which the first to end counts.
@@ -144,5 +179,73 @@ pub(super) fn forecast(lives: &[Life], at: f64, horizon: f64, reached: bool, mod
         probability_beyond_horizon: beyond,
         horizon,
         models,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::prognostics::{Direction, Observation, Question, competing, remaining_life};
+
+    /// Of straight growth up to usage 100 and this share of the threshold.
+    fn prognosis(level: f64) -> Prognosis {
+        let observation =
+            |i: u32| Observation { usage: 10.0 * f64::from(i), value: 0.1 * level * f64::from(i), std: Some(0.01) };
+        let history: Vec<_> = (0..=10).map(observation).collect();
+        let direction = Direction::Rising;
+        let question = Question {
+            threshold: 1.0,
+            direction,
+            healthy: 0.0,
+            at: 100.0,
+            life_start: None,
+            horizon: None,
+            risk_window: 10.0,
+        };
+        remaining_life(&history, &question).unwrap()
+    }
+
+    #[test]
+    fn a_quantile_is_where_the_survival_has_fallen_by_its_probability() {
+        let prognosis = prognosis(0.5);
+        let both = competing(&[("a", &prognosis), ("b", &prognosis)]).unwrap();
+        for prognosis in [&prognosis, &both] {
+            let mut before = 0.0;
+            for p in [1e-3, 0.01, 0.05, 0.2, 0.3, 0.5, 0.6, 0.8] {
+                let quantile = prognosis.quantile(p).unwrap();
+                let passed = 1.0 - prognosis.survival(quantile).unwrap();
+                assert!(
+                    (passed - p).abs() < 2e-4 * p.max(0.01).sqrt() && quantile >= before,
+                    "{p}: {passed} at {quantile}"
+                );
+                before = quantile;
+            }
+        }
+    }
+
+    #[test]
+    fn the_quantiles_of_the_forecast_are_its_own() {
+        let prognosis = prognosis(0.5);
+        for (p, quantile) in prognosis.forecast.as_ref().unwrap().quantiles.pairs() {
+            assert_eq!(prognosis.quantile(p), quantile);
+        }
+    }
+
+    #[test]
+    fn a_quantile_beyond_the_horizon_is_none_and_one_that_is_there_already_is_now() {
+        let mut prognosis = prognosis(0.5);
+        let horizon = prognosis.quantile(0.3).unwrap();
+        prognosis.forecast.as_mut().unwrap().horizon = horizon;
+        prognosis.forecast.as_mut().unwrap().quantiles =
+            Quantiles { q05: None, q10: None, q25: None, q50: None, q75: None, q90: None, q95: None };
+        assert_eq!(prognosis.quantile(0.31), None);
+        let near = prognosis.quantile(0.29).unwrap();
+        assert!(near < horizon && near > 0.5 * horizon, "{near} {horizon}");
+        let passed = self::prognosis(1.0);
+        assert!(passed.survival(0.0).unwrap() < 0.7, "{:?}", passed.survival(0.0));
+        assert_eq!(passed.quantile(0.2), Some(0.0));
+        prognosis.lives.clear();
+        prognosis.forecast = None;
+        assert_eq!(prognosis.quantile(0.5), None);
     }
 }

@@ -12,8 +12,8 @@ use jiff::Timestamp;
 use thiserror::Error;
 
 use records::{
-    Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, ParameterSetRecord,
-    TraceRecord,
+    Actuator, ActuatorUpdate, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome,
+    ParameterSetRecord, TraceRecord, TrendRecord,
 };
 
 /// Why the store could not do what was asked.
@@ -114,6 +114,8 @@ pub struct Paged<T> {
 pub struct LifeHistory {
     /// The actuator's revision that this history belongs to.
     pub revision: i64,
+    /// When this life began, when a maintenance event says so.
+    pub life_started_at: Option<Timestamp>,
     /// The usage at which this life began, when a maintenance event says so.
     pub life_start_usage: Option<f64>,
     /// The newest estimate of every trace of this life, ascending by time of recording.
@@ -133,8 +135,8 @@ pub struct FleetRow {
 
 /// Where records are kept. What a method acknowledged survives a kill and a loss of power.
 ///
-/// An actuator's `revision` grows by one with every change to its history (an estimate, an exclusion, a maintenance event), so that a
-/// stored forecast can be told from a stale one.
+/// An actuator's `revision` grows by one with every change to its history (an estimate, an exclusion, a maintenance event) or its
+/// thresholds, so that a stored forecast can be told from a stale one.
 #[async_trait]
 pub trait Records: Send + Sync {
     /// Answers when the records can be read and a transaction that writes can begin; for the readiness probe.
@@ -144,8 +146,8 @@ pub trait Records: Send + Sync {
     async fn insert_actuator(&self, actuator: &Actuator) -> Result<(), StoreError>;
     /// One actuator.
     async fn actuator(&self, id: Id) -> Result<Option<Actuator>, StoreError>;
-    /// Pins an actuator to another version of a parameter set, and returns it as it is now.
-    async fn pin_actuator(&self, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError>;
+    /// Changes an actuator, and returns it as it is now. Its revision grows when a threshold becomes another.
+    async fn change_actuator(&self, id: Id, update: &ActuatorUpdate) -> Result<Option<Actuator>, StoreError>;
     /// Actuators in the order of their registration.
     async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError>;
 
@@ -216,8 +218,20 @@ pub trait Records: Send + Sync {
 
     /// The newest forecast of an actuator, possibly of an older revision.
     async fn forecast(&self, actuator: Id) -> Result<Option<ForecastRecord>, StoreError>;
-    /// Keeps a forecast if the actuator still is at the revision that it was made from; `false` otherwise.
-    async fn store_forecast(&self, forecast: &ForecastRecord) -> Result<bool, StoreError>;
+    /// Keeps a forecast, and with it the step of the trend that it makes, if the actuator still is at the revision that it was
+    /// made from; `false`, and nothing kept, otherwise. A step of the same life and newest trace is replaced, others stay.
+    async fn store_forecast(&self, forecast: &ForecastRecord, step: Option<&TrendRecord>) -> Result<bool, StoreError>;
+    /// Keeps a step of the trend unless one of its life and trace is kept already; whether it was kept.
+    async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError>;
+    /// The trend of an actuator's forecasts, life by life, in each ascending by usage, then by the time at which they were made:
+    /// the steps whose trace was recorded at `from <= recorded_at < to` and is not excluded.
+    async fn trend(
+        &self,
+        actuator: Id,
+        from: Option<Timestamp>,
+        to: Option<Timestamp>,
+        page: &Page,
+    ) -> Result<Paged<TrendRecord>, StoreError>;
     /// Makes the forecasts stale that rest on something else than `basis`: an older version, other settings.
     async fn expire_forecasts(&self, basis: &str) -> Result<(), StoreError>;
     /// Actuators whose forecast is missing or of an older revision, at most `limit`.

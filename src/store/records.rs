@@ -117,9 +117,20 @@ pub struct Actuator {
     pub usage_unit: UsageUnit,
     /// When it was registered.
     pub created_at: Timestamp,
-    /// Grows with every change to its history.
+    /// Grows with every change to its history or its thresholds.
     #[serde(skip)]
     pub revision: i64,
+}
+
+/// What is to change of an actuator; what is none stays as it is.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct ActuatorUpdate {
+    /// The name and the hash of the parameter set's version to pin it to.
+    pub parameter_set: Option<(String, String)>,
+    /// Its threshold of KGM.
+    pub threshold_kgm: Option<f64>,
+    /// Its threshold of FDJ, N.
+    pub threshold_fdj_n: Option<f64>,
 }
 
 /// A version of a parameter set as it is kept. It never changes.
@@ -383,4 +394,59 @@ pub struct ForecastRecord {
     pub basis: String,
     /// When it was made.
     pub created_at: Timestamp,
+}
+
+/// What a forecast said of an actuator or of one of its faults, as the trend keeps it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TrendFigures {
+    /// Remaining life is shorter than this with probability 0.05, in the actuator's usage unit; none beyond the horizon.
+    pub q05: Option<f64>,
+    /// The median of the remaining life.
+    pub q50: Option<f64>,
+    /// Remaining life is shorter than this with probability 0.95.
+    pub q95: Option<f64>,
+    /// The mean of the remaining life up to the horizon.
+    pub mean: Option<f64>,
+    /// Whether a threshold was passed already.
+    pub reached: bool,
+    /// The probability that a threshold is passed within the risk window, 0 to 1.
+    pub risk: Option<f64>,
+}
+
+/// The figures of the faults; none where a fault could not be forecast.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TrendFaults {
+    /// Torque-motor demagnetisation.
+    pub kgm: Option<TrendFigures>,
+    /// Dynamic jack friction.
+    pub fdj_n: Option<TrendFigures>,
+}
+
+/// A step of an actuator's trend: what was forecast from the traces of a life up to one, the newest then.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrendRecord {
+    /// The actuator.
+    pub actuator_id: Id,
+    /// When the life began; none for the first, which began with the actuator.
+    pub life_started_at: Option<Timestamp>,
+    /// The usage at which it began; none for the first.
+    pub life_start_usage: Option<f64>,
+    /// The newest trace of the life.
+    pub trace_id: Id,
+    /// When that trace was recorded.
+    pub recorded_at: Timestamp,
+    /// The usage from which remaining life counts.
+    pub usage: f64,
+    /// When the forecast was made.
+    pub made_at: Timestamp,
+    /// The usage ahead that the risks are about.
+    pub risk_window: f64,
+    /// The figures of the actuator, whichever fault comes first; none without a forecast.
+    pub actuator: Option<TrendFigures>,
+    /// The figures of its faults.
+    pub faults: TrendFaults,
+    /// What the forecast rests on besides the history.
+    pub basis: String,
+    /// The elevon version that made it.
+    pub version: String,
 }

@@ -12,6 +12,7 @@ mod http_health;
 mod http_jobs;
 mod http_parameter_sets;
 mod http_process;
+mod http_remaining_life;
 mod http_service;
 mod http_sockets;
 mod http_support;

@@ -6,6 +6,7 @@ mod parameter_sets;
 mod queue;
 pub mod samples;
 mod traces;
+mod trend;
 
 use std::sync::Arc;
 
@@ -64,6 +65,7 @@ macro_rules! records_engine {
                 contract_a_version_is_found_by_the_beginning_of_its_hash,
                 contract_parameter_sets_are_listed_in_the_order_in_which_they_were_kept,
                 contract_an_actuator_is_pinned_anew_and_keeps_the_rest,
+                contract_a_threshold_that_becomes_another_grows_the_revision_and_keeps_the_rest,
                 contract_actuators_of_the_built_in_set_go_with_it_and_others_stay_pinned,
             },
             fleet::{
@@ -75,6 +77,14 @@ macro_rules! records_engine {
                 contract_what_changes_a_history_makes_its_forecast_stale,
                 contract_the_fleet_is_listed_riskiest_first_page_by_page,
                 contract_the_fleet_shows_the_newest_health_of_this_life,
+            },
+            trend::{
+                contract_a_forecast_is_kept_with_its_step_of_the_trend_or_not_at_all,
+                contract_a_step_of_the_same_life_and_trace_is_replaced_and_others_stay,
+                contract_a_step_fills_a_gap_and_replaces_none,
+                contract_the_trend_is_sorted_by_life_and_usage_page_by_page,
+                contract_the_trend_is_cut_by_the_time_of_recording,
+                contract_the_steps_of_an_excluded_trace_are_left_out_until_it_is_taken_back,
             },
         ]);
     };

@@ -1,4 +1,4 @@
-//! Registering an actuator.
+//! Registering an actuator, and changing one.
 
 use std::sync::Arc;
 
@@ -7,10 +7,10 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::check::FieldErrors;
-use crate::http::error::ApiResult;
+use crate::http::error::{ApiError, ApiResult};
 use crate::http::limits::NAME_CHARS_MAX;
 use crate::models::parameters::ParameterSet;
-use crate::store::records::{Actuator, Id, Thresholds, UsageUnit};
+use crate::store::records::{Actuator, ActuatorUpdate, Id, Thresholds, UsageUnit};
 
 /// An actuator to register. White space around a text does not count.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -39,35 +39,62 @@ pub struct NewActuator {
     usage_unit: Option<UsageUnit>,
 }
 
-/// What is to change of an actuator.
+/// What is to change of an actuator: at least one of the fields. What is not told stays as it is.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(example = json!({"thresholds": {"kgm": 0.35}}))]
 pub struct ActuatorChange {
     /// Its parameter set: NAME or NAME@HASH, as at its registration.
     #[schema(example = "reference")]
-    pub parameter_set: String,
+    parameter_set: Option<String>,
+    /// Its failure thresholds.
+    thresholds: Option<ChangedThresholds>,
 }
 
 impl ActuatorChange {
-    /// The name and the hash of the set to pin it to: the one that it names, or what is wrong with the name.
+    /// The parameter set that it names.
+    #[must_use]
+    pub fn parameter_set(&self) -> Option<&str> {
+        self.parameter_set.as_deref()
+    }
+
+    /// The change to make; `set` is the parameter set that it names, if it names one, or what is wrong with the name.
     ///
     /// # Errors
-    /// A set that no actuator can be pinned to.
-    pub fn check(set: Result<Arc<ParameterSet>, String>) -> ApiResult<(String, String)> {
+    /// Nothing to change; a set that no actuator can be pinned to, and every threshold out of its range.
+    pub fn check(self, set: Option<Result<Arc<ParameterSet>, String>>) -> ApiResult<ActuatorUpdate> {
         let mut errors = FieldErrors::default();
-        let pinned = pin(set, &mut errors);
-        errors.pass(pinned)
+        let ChangedThresholds { kgm, fdj_n } = self.thresholds.unwrap_or_default();
+        let parameter_set = set.map(|set| pin(set, &mut errors));
+        check_thresholds(kgm, fdj_n, &mut errors);
+        let update = ActuatorUpdate { parameter_set, threshold_kgm: kgm, threshold_fdj_n: fdj_n };
+        if errors.is_empty() && update == ActuatorUpdate::default() {
+            return Err(ApiError::malformed("", "found nothing to change, expected parameter_set or thresholds"));
+        }
+        errors.pass(update)
     }
 }
 
-/// Failure thresholds, each with a default.
+/// Failure thresholds, each with the service's default (`prognostics.thresholds` of its settings).
 #[derive(Debug, Default, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 struct NewThresholds {
-    /// Torque-motor demagnetisation; 0.4 unless told.
+    /// Torque-motor demagnetisation; the service's default, 0.4 unless set, if not told.
     #[schema(minimum = 0.01, maximum = 1)]
     kgm: Option<f64>,
-    /// Dynamic jack friction, N; 1000 unless told.
+    /// Dynamic jack friction, N; the service's default, 1000 unless set, if not told.
+    #[schema(minimum = 210, maximum = 2000)]
+    fdj_n: Option<f64>,
+}
+
+/// Failure thresholds to change.
+#[derive(Debug, Default, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+struct ChangedThresholds {
+    /// Torque-motor demagnetisation; as it is if not told.
+    #[schema(minimum = 0.01, maximum = 1)]
+    kgm: Option<f64>,
+    /// Dynamic jack friction, N; as it is if not told.
     #[schema(minimum = 210, maximum = 2000)]
     fdj_n: Option<f64>,
 }
@@ -79,11 +106,17 @@ impl NewActuator {
         self.parameter_set.as_deref()
     }
 
-    /// The actuator to keep, pinned to a parameter set: the one that it names, or what is wrong with the name.
+    /// The actuator to keep, pinned to a parameter set: the one that it names, or what is wrong with the name. `defaults`
+    /// are its thresholds where it has none of its own.
     ///
     /// # Errors
     /// Every field out of its range.
-    pub fn check(self, set: Result<Arc<ParameterSet>, String>, now: Timestamp) -> ApiResult<Actuator> {
+    pub fn check(
+        self,
+        set: Result<Arc<ParameterSet>, String>,
+        defaults: Thresholds,
+        now: Timestamp,
+    ) -> ApiResult<Actuator> {
         let mut errors = FieldErrors::default();
         let name = (1, NAME_CHARS_MAX);
         let serial_number = errors.text("/serial_number", &self.serial_number, name, false);
@@ -97,7 +130,7 @@ impl NewActuator {
             location,
             parameter_set,
             parameter_set_hash,
-            thresholds: self.thresholds.unwrap_or_default().check(&mut errors),
+            thresholds: self.thresholds.unwrap_or_default().check(defaults, &mut errors),
             usage_unit: self.usage_unit.unwrap_or(UsageUnit::FlightHours),
             created_at: now,
             revision: 0,
@@ -107,12 +140,19 @@ impl NewActuator {
 }
 
 impl NewThresholds {
-    fn check(self, errors: &mut FieldErrors) -> Thresholds {
-        let default = Thresholds::default();
-        let (kgm, fdj_n) = (self.kgm.unwrap_or(default.kgm), self.fdj_n.unwrap_or(default.fdj_n));
+    fn check(self, defaults: Thresholds, errors: &mut FieldErrors) -> Thresholds {
+        check_thresholds(self.kgm, self.fdj_n, errors);
+        Thresholds { kgm: self.kgm.unwrap_or(defaults.kgm), fdj_n: self.fdj_n.unwrap_or(defaults.fdj_n) }
+    }
+}
+
+/// Notes every threshold that is told and out of its range.
+fn check_thresholds(kgm: Option<f64>, fdj_n: Option<f64>, errors: &mut FieldErrors) {
+    if let Some(kgm) = kgm {
         errors.number("/thresholds/kgm", kgm, Thresholds::KGM, "");
+    }
+    if let Some(fdj_n) = fdj_n {
         errors.number("/thresholds/fdj_n", fdj_n, Thresholds::FDJ_N, " N");
-        Thresholds { kgm, fdj_n }
     }
 }
 

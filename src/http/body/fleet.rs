@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -9,6 +10,7 @@ use super::list::{List, PageQuery};
 use crate::estimation::Verdict;
 use crate::http::error::{ApiError, ApiResult};
 use crate::http::extract::query::{Fields, FromQuery};
+use crate::jobs::run::predict::ActBy;
 use crate::store::records::{HealthRecord, Id, Thresholds, UsageUnit};
 use crate::store::{FleetRow, Page, Paged};
 
@@ -53,6 +55,8 @@ pub struct FleetItem {
     newest: Option<Newest>,
     /// Null without a forecast.
     risk: Option<FleetRisk>,
+    /// When to act at the service's risk (`prognostics.act_at_risk` of its settings); null without a forecast.
+    act_by: Option<ActBy>,
     /// Null without a forecast.
     remaining_life: Option<FleetLife>,
     /// Why something is missing, or what to know of it.
@@ -65,7 +69,7 @@ struct Newest {
     /// The trace that was estimated.
     trace_id: Id,
     /// When it was recorded.
-    recorded_at: jiff::Timestamp,
+    recorded_at: Timestamp,
     /// The actuator's usage then.
     usage: f64,
     /// Torque-motor demagnetisation, 0 to 1.
@@ -95,6 +99,11 @@ struct FleetLife {
     /// Remaining life by level (0.05 to 0.95), in the actuator's usage unit; null beyond the horizon.
     #[schema(example = json!({"0.05": 80.1, "0.5": 120.4, "0.95": null}))]
     quantiles: BTreeMap<String, Option<f64>>,
+    /// The dates of the quantiles at the recent rate of use; null where the quantile is, without a rate, and beyond the year
+    /// 9999.
+    #[serde(default)]
+    #[schema(example = json!({"0.05": "2027-03-01T06:00:00Z", "0.5": "2028-11-12T18:30:00Z", "0.95": null}))]
+    dates: BTreeMap<String, Option<Timestamp>>,
     /// Whether a threshold is passed already.
     reached: bool,
     /// The probability that no threshold is passed within the horizon.
@@ -108,6 +117,7 @@ struct FleetLife {
 struct Summary {
     forecast: Option<FleetLife>,
     risk: Option<FleetRisk>,
+    act_by: Option<ActBy>,
     reasons: Vec<String>,
 }
 
@@ -153,7 +163,7 @@ impl FleetItem {
     fn of(row: FleetRow, risk_rank: u64) -> ApiResult<Self> {
         let document = row.forecast.map(|forecast| forecast.document);
         let summary: Option<Summary> = document.map(serde_json::from_value).transpose().map_err(ApiError::internal)?;
-        let Summary { forecast, risk, reasons } = summary.unwrap_or_default();
+        let Summary { forecast, risk, act_by, reasons } = summary.unwrap_or_default();
         let actuator = row.actuator;
         Ok(Self {
             risk_rank,
@@ -165,6 +175,7 @@ impl FleetItem {
             thresholds: actuator.thresholds,
             newest: row.newest.map(Newest::from),
             risk,
+            act_by,
             remaining_life: forecast,
             reasons,
         })

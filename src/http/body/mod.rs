@@ -12,4 +12,5 @@ pub mod maintenance;
 pub mod parameter_set;
 pub mod simulation;
 pub mod trace;
+pub mod trend;
 pub mod upload;

@@ -1,8 +1,10 @@
 //! What the jobs do: read what they need, compute, and turn what was found into an outcome.
 
+pub mod calendar;
 pub mod estimate;
 pub mod predict;
 pub mod simulate;
+mod trend;
 
 use serde::Deserialize as _;
 use thiserror::Error;
@@ -20,7 +22,7 @@ use crate::numeric::digest::sha256_hex;
 use crate::numeric::watch::Watch;
 use crate::store::records::{Actuator, Id, Job, Outcome, TraceRecord};
 use crate::store::{LifeHistory, Records, StoreError, Traces};
-use predict::RemainingLife;
+use predict::{RemainingLife, RiskQuestion};
 
 /// Why an attempt failed.
 #[derive(Debug, Error)]
@@ -131,8 +133,8 @@ pub trait Compute: Send + Sync {
     fn compute(&self, work: Work, watch: &dyn Watch) -> Result<Finding, RunError>;
 
     /// Forecasts from a history.
-    fn predict(&self, actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> RemainingLife {
-        predict::predict(actuator, history, risk_window)
+    fn predict(&self, actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
+        predict::predict(actuator, history, asked)
     }
 }
 

@@ -1,14 +1,16 @@
 //! Forecasts: from an actuator's history to the document that is served and to the figures that the fleet is ranked by.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use jiff::Timestamp;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tokio::task::{JoinError, spawn_blocking};
 use utoipa::ToSchema;
 
-use super::{Compute, panic_text};
+use super::calendar::UseRate;
+use super::{Compute, panic_text, trend};
 use crate::models::fault::FDJ_NOMINAL_N;
 use crate::prognostics::{
     BandPoint, Direction, Forecast, LifePrior, Observation, Prognosis, PrognosisError, Question, competing,
@@ -16,6 +18,17 @@ use crate::prognostics::{
 };
 use crate::store::records::{self, Actuator, ForecastRecord, HealthRecord, Id, UsageUnit};
 use crate::store::{LifeHistory, Records, StoreError};
+
+/// What is asked of a forecast beside its quantiles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RiskQuestion {
+    /// The usage ahead that users plan for, above 0, in the actuator's usage unit: the priors rest on it.
+    pub risk_window: f64,
+    /// The usage ahead within which the probability of a failure is asked, above 0.
+    pub within: f64,
+    /// The probability of a failure at which to act, above 0 and below 1.
+    pub act_at_risk: f64,
+}
 
 /// The remaining life of an actuator, as it is served.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -34,6 +47,10 @@ pub struct RemainingLife {
     pub reasons: Vec<String>,
     /// How probably that life ends soon.
     pub risk: Option<Risk>,
+    /// When to act; null without a forecast.
+    pub act_by: Option<ActBy>,
+    /// How fast the actuator was used of late, on which every date rests.
+    pub use_rate: UseRate,
     /// The forecast of each fault by itself.
     pub faults: FaultForecasts,
     /// The elevon version.
@@ -46,6 +63,10 @@ pub struct TimedForecast {
     /// The forecast.
     #[serde(flatten)]
     pub forecast: Forecast,
+    /// The dates of the quantiles at the recent rate of use, from the newest trace's `recorded_at`, in UTC; null where the
+    /// quantile is, without a rate, and beyond the year 9999.
+    #[schema(example = json!({"0.05": "2027-03-01T06:00:00Z", "0.5": "2028-11-12T18:30:00Z", "0.95": null}))]
+    pub dates: BTreeMap<String, Option<Timestamp>>,
     /// What usage and remaining life count.
     pub unit: UsageUnit,
     /// Time that the forecast took, s.
@@ -59,6 +80,21 @@ pub struct Risk {
     pub within: f64,
     /// The probability that it happens within that usage, 0 to 1.
     pub probability: f64,
+}
+
+/// When to act so that the probability of a failure before then is no more than a risk.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct ActBy {
+    /// The probability of a failure before then, 0 to 1.
+    pub risk: f64,
+    /// The usage until then from the forecast's `at`; null beyond its horizon.
+    pub remaining: Option<f64>,
+    /// The usage then; null beyond the forecast's horizon.
+    pub usage: Option<f64>,
+    /// The date then at the recent rate of use, in UTC; null where the usage is, without a rate, and beyond the year 9999.
+    pub date: Option<Timestamp>,
+    /// Why something of it is null; null where nothing is.
+    pub reason: Option<String>,
 }
 
 /// The forecasts of the faults.
@@ -81,6 +117,8 @@ pub struct FaultForecast {
     pub reasons: Vec<String>,
     /// How probably the threshold is passed soon.
     pub risk: Option<Risk>,
+    /// When to act; null without a forecast.
+    pub act_by: Option<ActBy>,
     /// The 90 % band of the fault's level ahead.
     pub band: Vec<BandPoint>,
 }
@@ -90,54 +128,119 @@ pub(in crate::jobs) async fn forecast(
     records: &dyn Records,
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
-    risk_window: f64,
+    asked: &RiskQuestion,
 ) -> Result<ForecastRecord, StoreError> {
     if let Some(stored) = records.forecast(actuator.id).await?
         && stored.revision >= actuator.revision
     {
         return Ok(stored);
     }
-    let unknown = LifeHistory { revision: actuator.revision, ..LifeHistory::default() };
-    let history = records.life_history(actuator.id).await?.unwrap_or(unknown);
-    let revision = history.revision;
-    let known = actuator.clone();
-    let life = match spawn_blocking(move || compute.predict(&known, &history, risk_window)).await {
-        Ok(life) => life,
-        Err(ended) => failed(actuator, risk_window, ended),
-    };
+    let (life, history) = made(records, compute, actuator, asked).await?;
     let forecast = ForecastRecord {
         actuator_id: actuator.id,
-        revision,
+        revision: history.revision,
         risk: life.risk.map(|risk| risk.probability),
         median_remaining: life.forecast.as_ref().and_then(|timed| timed.forecast.quantiles.q50),
-        document: serde_json::to_value(&life).expect("a forecast's fields have names"),
-        basis: basis(risk_window),
+        document: document(&life),
+        basis: basis(asked),
         created_at: records::now(),
     };
-    // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
-    records.store_forecast(&forecast).await?;
+    after_forecast(records, &forecast, asked, &life, &history).await?;
     Ok(forecast)
 }
 
+/// The forecast of an actuator now, whatever is stored, and the history that it was made from.
+pub(in crate::jobs) async fn made(
+    records: &dyn Records,
+    compute: Arc<dyn Compute>,
+    actuator: &Actuator,
+    asked: &RiskQuestion,
+) -> Result<(RemainingLife, LifeHistory), StoreError> {
+    let unknown = LifeHistory { revision: actuator.revision, ..LifeHistory::default() };
+    let history = records.life_history(actuator.id).await?.unwrap_or(unknown);
+    Ok(computed(compute, actuator, history, asked).await)
+}
+
+/// Computes a forecast where that may take its time.
+async fn computed(
+    compute: Arc<dyn Compute>,
+    actuator: &Actuator,
+    history: LifeHistory,
+    asked: &RiskQuestion,
+) -> (RemainingLife, LifeHistory) {
+    let history = Arc::new(history);
+    let (known, asked, given) = (actuator.clone(), *asked, history.clone());
+    let life = match spawn_blocking(move || compute.predict(&known, &given, &asked)).await {
+        Ok(life) => life,
+        Err(ended) => failed(actuator, &asked, ended),
+    };
+    (life, Arc::unwrap_or_clone(history))
+}
+
+/// Gives a trace that is not the newest of its actuator its step of the trend, made from its life's history up to it, unless
+/// it has one: its upload came late, or other estimates ended before the forecast was made.
+pub(in crate::jobs) async fn fill_trend(
+    records: &dyn Records,
+    compute: Arc<dyn Compute>,
+    actuator: &Actuator,
+    (trace, recorded_at): (Id, Timestamp),
+    asked: &RiskQuestion,
+) -> Result<(), StoreError> {
+    let Some(mut history) = records.life_history(actuator.id).await? else { return Ok(()) };
+    if history.records.last().is_some_and(|newest| newest.trace_id == trace) {
+        return Ok(());
+    }
+    if !history.records.iter().any(|record| record.trace_id == trace) {
+        history = trend::life_up_to(records, actuator.id, recorded_at).await?;
+    }
+    let Some(place) = history.records.iter().position(|record| record.trace_id == trace) else { return Ok(()) };
+    history.records.truncate(place + 1);
+    let (life, history) = computed(compute, actuator, history, asked).await;
+    match trend::step(records::now(), asked, &life, &history) {
+        Some(step) => records.fill_trend(&step).await.map(drop),
+        None => Ok(()),
+    }
+}
+
+/// A forecast as JSON.
+pub(in crate::jobs) fn document(life: &RemainingLife) -> serde_json::Value {
+    serde_json::to_value(life).expect("a forecast's fields have names")
+}
+
+/// What follows from a new forecast: it is kept, and with it its step of the trend.
+async fn after_forecast(
+    records: &dyn Records,
+    forecast: &ForecastRecord,
+    asked: &RiskQuestion,
+    life: &RemainingLife,
+    history: &LifeHistory,
+) -> Result<(), StoreError> {
+    let step = trend::step(forecast.created_at, asked, life, history);
+    // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
+    records.store_forecast(forecast, step.as_ref()).await.map(drop)
+}
+
 /// What a forecast rests on besides the history: when it changes, stored forecasts are made again.
-pub(in crate::jobs) fn basis(risk_window: f64) -> String {
-    format!("elevon {}, risk within {risk_window}", crate::VERSION)
+pub(in crate::jobs) fn basis(asked: &RiskQuestion) -> String {
+    let RiskQuestion { risk_window, within, act_at_risk } = asked;
+    format!("elevon {}, risk within {within} of window {risk_window}, act at risk {act_at_risk}", crate::VERSION)
 }
 
 /// What is served of an actuator whose forecast panicked, so that the rest of the fleet is not lost with it.
-fn failed(actuator: &Actuator, risk_window: f64, ended: JoinError) -> RemainingLife {
+fn failed(actuator: &Actuator, asked: &RiskQuestion, ended: JoinError) -> RemainingLife {
     let reason = format!("the forecast failed: {}", panic_text(ended));
     tracing::error!(actuator_id = %actuator.id, reason, "forecast failed");
-    let mut life = predict(actuator, &LifeHistory::default(), risk_window);
+    let mut life = predict(actuator, &LifeHistory::default(), asked);
     life.reasons = vec![reason];
     life
 }
 
 /// Forecasts from the history of a life, ascending by time of recording.
 #[must_use]
-pub fn predict(actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> RemainingLife {
+pub fn predict(actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
     let started = Instant::now();
     let unit = actuator.usage_unit;
+    let risk_window = asked.risk_window;
     let LifeHistory { life_start_usage, records: history, .. } = history;
     let newest = history.last();
     // Usage never falls: a newer trace with less usage is in doubt, not all those before it.
@@ -175,18 +278,22 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> 
             .reasons
             .push(format!("this life began at usage {start}, its newest trace has {at}: its age is unknown"));
     }
+    let use_rate = UseRate::of(history);
+    let answers = Answers { asked, unit, use_rate: &use_rate };
     RemainingLife {
         actuator_id: actuator.id,
         as_of: newest.map(|record| record.recorded_at),
         usage: newest.map(|_| at),
         unit,
-        forecast: timed(&first_to_fail, unit, elapsed_s),
-        risk: risk(&first_to_fail),
+        forecast: answers.timed(&first_to_fail, elapsed_s),
+        risk: answers.risk(&first_to_fail),
+        act_by: answers.act_by(&first_to_fail),
         reasons: first_to_fail.reasons,
         faults: FaultForecasts {
-            kgm: shown(kgm, actuator.thresholds.kgm, unit, kgm_s),
-            fdj_n: shown(fdj, actuator.thresholds.fdj_n, unit, elapsed_s - kgm_s),
+            kgm: answers.fault(kgm, actuator.thresholds.kgm, kgm_s),
+            fdj_n: answers.fault(fdj, actuator.thresholds.fdj_n, elapsed_s - kgm_s),
         },
+        use_rate,
         version: crate::VERSION.into(),
     }
 }
@@ -202,32 +309,65 @@ fn observations(history: &[HealthRecord], figure: fn(&HealthRecord) -> (Option<f
     observations
 }
 
-fn shown(
-    prognosis: Result<Prognosis, PrognosisError>,
-    threshold: f64,
+/// What every answer of one document shares.
+struct Answers<'a> {
+    asked: &'a RiskQuestion,
     unit: UsageUnit,
-    elapsed_s: f64,
-) -> FaultForecast {
-    match prognosis {
-        Ok(prognosis) => FaultForecast {
-            threshold,
-            forecast: timed(&prognosis, unit, elapsed_s),
-            risk: risk(&prognosis),
-            reasons: prognosis.reasons,
-            band: prognosis.band,
-        },
-        Err(error) => {
-            FaultForecast { threshold, forecast: None, reasons: vec![error.to_string()], risk: None, band: Vec::new() }
+    use_rate: &'a UseRate,
+}
+
+impl Answers<'_> {
+    fn fault(&self, prognosis: Result<Prognosis, PrognosisError>, threshold: f64, elapsed_s: f64) -> FaultForecast {
+        match prognosis {
+            Ok(prognosis) => FaultForecast {
+                threshold,
+                forecast: self.timed(&prognosis, elapsed_s),
+                risk: self.risk(&prognosis),
+                act_by: self.act_by(&prognosis),
+                reasons: prognosis.reasons,
+                band: prognosis.band,
+            },
+            Err(error) => {
+                let (reasons, band) = (vec![error.to_string()], Vec::new());
+                FaultForecast { threshold, forecast: None, reasons, risk: None, act_by: None, band }
+            }
         }
     }
-}
 
-fn timed(prognosis: &Prognosis, unit: UsageUnit, elapsed_s: f64) -> Option<TimedForecast> {
-    prognosis.forecast.clone().map(|forecast| TimedForecast { forecast, unit, elapsed_s })
-}
+    fn timed(&self, prognosis: &Prognosis, elapsed_s: f64) -> Option<TimedForecast> {
+        let forecast = prognosis.forecast.clone()?;
+        let dates = self.use_rate.dates(&forecast.quantiles);
+        Some(TimedForecast { forecast, dates, unit: self.unit, elapsed_s })
+    }
 
-fn risk(prognosis: &Prognosis) -> Option<Risk> {
-    prognosis.risk.map(|probability| Risk { within: prognosis.risk_window, probability })
+    /// The risk within another span is read off the same forecast: a window of its own would change its priors.
+    fn risk(&self, prognosis: &Prognosis) -> Option<Risk> {
+        let within = self.asked.within;
+        let probability = match prognosis.risk {
+            Some(risk) if within == prognosis.risk_window => risk,
+            _ => 1.0 - prognosis.survival(within)?,
+        };
+        Some(Risk { within, probability })
+    }
+
+    fn act_by(&self, prognosis: &Prognosis) -> Option<ActBy> {
+        let forecast = prognosis.forecast.as_ref()?;
+        let risk = self.asked.act_at_risk;
+        let remaining = prognosis.quantile(risk);
+        let date = remaining.and_then(|remaining| self.use_rate.date(remaining));
+        let reason = match (remaining, date) {
+            (None, _) => {
+                let (horizon, unit) = (forecast.horizon, self.unit.name().replace('_', " "));
+                Some(format!("the risk stays below {risk} up to the horizon, {horizon} {unit} ahead"))
+            }
+            (_, None) => Some(match &self.use_rate.reason {
+                Some(reason) => format!("no date: {reason}"),
+                None => "no date: it lies beyond the year 9999".to_owned(),
+            }),
+            _ => None,
+        };
+        Some(ActBy { risk, remaining, usage: remaining.map(|remaining| forecast.at + remaining), date, reason })
+    }
 }
 
 #[cfg(test)]
@@ -237,6 +377,8 @@ mod tests {
     use super::*;
     use crate::estimation::Verdict;
     use crate::store::records::Thresholds;
+
+    const ASKED: RiskQuestion = RiskQuestion { risk_window: 100.0, within: 100.0, act_at_risk: 0.05 };
 
     fn actuator(thresholds: Thresholds) -> Actuator {
         Actuator {
@@ -267,7 +409,7 @@ mod tests {
             faults: BTreeMap::new(),
             verdict: if i < 10 { Verdict::Conclusive } else { Verdict::Inconclusive },
         };
-        LifeHistory { revision: 0, life_start_usage, records: (0..=10).map(record).collect() }
+        LifeHistory { life_start_usage, records: (0..=10).map(record).collect(), ..LifeHistory::default() }
     }
 
     fn median(forecast: Option<&TimedForecast>) -> f64 {
@@ -276,7 +418,7 @@ mod tests {
 
     #[test]
     fn the_actuator_fails_with_its_first_fault_and_remaining_life_counts_from_the_newest_trace() {
-        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, None), 100.0);
+        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, None), &ASKED);
         assert_eq!((life.usage, life.unit), (Some(1000.0), UsageUnit::FlightCycles));
         assert_eq!(life.as_of, Some(Timestamp::from_second(10).unwrap()));
         let (all, kgm) = (median(life.forecast.as_ref()), median(life.faults.kgm.forecast.as_ref()));
@@ -292,8 +434,9 @@ mod tests {
     fn without_an_observation_there_is_no_forecast_but_a_reason() {
         for life_start_usage in [None, Some(500.0)] {
             let history = LifeHistory { life_start_usage, ..LifeHistory::default() };
-            let life = predict(&actuator(Thresholds::default()), &history, 100.0);
-            assert_eq!((life.as_of, life.usage, life.risk), (None, None, None));
+            let life = predict(&actuator(Thresholds::default()), &history, &ASKED);
+            assert_eq!((life.as_of, life.usage, life.risk, &life.act_by), (None, None, None, &None));
+            assert_eq!((life.use_rate.per_day, life.use_rate.traces), (None, 0));
             assert!(life.forecast.is_none() && life.faults.kgm.forecast.is_none());
             assert!(life.reasons.iter().any(|reason| reason.contains("no observation")), "{:?}", life.reasons);
             assert!(!life.faults.fdj_n.reasons.is_empty());
@@ -302,7 +445,7 @@ mod tests {
 
     #[test]
     fn a_life_that_began_after_its_newest_usage_is_forecast_with_a_reason() {
-        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, Some(5000.0)), 100.0);
+        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, Some(5000.0)), &ASKED);
         assert!(life.forecast.is_some());
         assert!(life.reasons.iter().any(|reason| reason.contains("5000")), "{:?}", life.reasons);
     }
@@ -312,19 +455,79 @@ mod tests {
         let sound = history(0.03, 5.0, None);
         let mut mistyped = sound.clone();
         mistyped.records[10].usage = 45.0;
-        let life = predict(&actuator(Thresholds::default()), &mistyped, 100.0);
+        let life = predict(&actuator(Thresholds::default()), &mistyped, &ASKED);
         assert_eq!(life.usage, Some(900.0));
         assert!(life.reasons.iter().any(|reason| reason.contains("usage fell from 900")), "{:?}", life.reasons);
-        let expected = median(predict(&actuator(Thresholds::default()), &sound, 100.0).forecast.as_ref());
+        let expected = median(predict(&actuator(Thresholds::default()), &sound, &ASKED).forecast.as_ref());
         assert!((median(life.forecast.as_ref()) - expected - 100.0).abs() < 0.2 * expected, "{life:?}");
     }
 
     #[test]
     fn a_fault_that_cannot_be_forecast_leaves_the_other() {
         let thresholds = Thresholds { kgm: 1e-9, fdj_n: 1000.0 };
-        let life = predict(&actuator(thresholds), &history(0.03, 40.0, None), 100.0);
+        let life = predict(&actuator(thresholds), &history(0.03, 40.0, None), &ASKED);
         assert!(life.faults.kgm.forecast.is_none() && life.faults.kgm.reasons[0].contains("history["));
         assert!(life.reasons.iter().any(|reason| reason.starts_with("kgm cannot")), "{:?}", life.reasons);
         assert_eq!(median(life.forecast.as_ref()), median(life.faults.fdj_n.forecast.as_ref()));
+    }
+
+    #[test]
+    fn every_quantile_has_its_date_at_the_rate_of_use() {
+        // One trace a second, each with 100 cycles more.
+        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, None), &ASKED);
+        assert!((life.use_rate.per_day.unwrap() - 100.0 * 86_400.0).abs() < 1.0, "{:?}", life.use_rate);
+        for timed in [&life.forecast, &life.faults.kgm.forecast, &life.faults.fdj_n.forecast].map(Option::as_ref) {
+            let TimedForecast { forecast, dates, .. } = timed.unwrap();
+            for (p, quantile) in forecast.quantiles.pairs() {
+                let expected = quantile.map(|cycles| 10.0 + cycles / 100.0);
+                let date = dates[&p.to_string()].map(|date| date.as_second() as f64);
+                assert_eq!(date.is_some(), expected.is_some());
+                assert!(
+                    date.zip(expected).is_none_or(|(date, expected)| (date - expected).abs() <= 1.0),
+                    "{p}: {dates:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn to_act_by_is_the_quantile_of_the_risk_with_its_usage_and_date() {
+        let worn = history(0.03, 5.0, None);
+        let life = predict(&actuator(Thresholds::default()), &worn, &ASKED);
+        let act_by = life.act_by.unwrap();
+        let forecast = life.forecast.unwrap();
+        assert_eq!((act_by.risk, act_by.remaining), (0.05, forecast.forecast.quantiles.q05));
+        assert_eq!(act_by.usage, act_by.remaining.map(|remaining| 1000.0 + remaining));
+        assert_eq!((act_by.date, act_by.reason), (forecast.dates["0.05"], None));
+        let kgm = life.faults.kgm.act_by.unwrap();
+        assert!(kgm.remaining >= act_by.remaining, "the actuator acts no later than its faults");
+
+        let other = RiskQuestion { within: 250.0, act_at_risk: 0.3, ..ASKED };
+        let asked = predict(&actuator(Thresholds::default()), &worn, &other);
+        let later = asked.act_by.unwrap();
+        assert!(later.remaining > act_by.remaining && later.remaining < forecast.forecast.quantiles.q50);
+        let risk = asked.risk.unwrap();
+        assert!(risk.within == 250.0 && risk.probability > life.risk.unwrap().probability, "{risk:?}");
+        assert_eq!(asked.forecast.unwrap().forecast, forecast.forecast, "the question does not move the forecast");
+        let same = RiskQuestion { within: later.remaining.unwrap(), ..ASKED };
+        let risk = predict(&actuator(Thresholds::default()), &worn, &same).risk.unwrap();
+        assert!((risk.probability - 0.3).abs() < 1e-3, "{risk:?}");
+    }
+
+    #[test]
+    fn a_risk_that_is_not_reached_within_the_horizon_has_a_reason_and_no_date() {
+        let never = RiskQuestion { act_at_risk: 1.0 - 1e-9, ..ASKED };
+        let life = predict(&actuator(Thresholds::default()), &history(0.0005, 0.0, None), &never);
+        let act_by = life.act_by.unwrap();
+        assert_eq!((act_by.remaining, act_by.usage, act_by.date), (None, None, None));
+        let reason = act_by.reason.unwrap();
+        assert!(reason.contains("up to the horizon, 20000 flight cycles ahead"), "{reason}");
+        let mut at_once = history(0.03, 5.0, None);
+        at_once.records.iter_mut().for_each(|record| record.recorded_at = Timestamp::UNIX_EPOCH);
+        let life = predict(&actuator(Thresholds::default()), &at_once, &ASKED);
+        let act_by = life.act_by.unwrap();
+        assert!(act_by.usage.is_some() && act_by.date.is_none(), "{act_by:?}");
+        assert!(act_by.reason.as_ref().unwrap().starts_with("no date: time does not advance"), "{act_by:?}");
+        assert!(life.forecast.unwrap().dates.values().all(Option::is_none));
     }
 }

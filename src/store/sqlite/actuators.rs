@@ -4,7 +4,7 @@ use sqlx::sqlite::{SqlitePool, SqliteRow};
 
 use super::begin;
 use super::row::{Reader, micros};
-use crate::store::records::{Actuator, Id, Thresholds};
+use crate::store::records::{Actuator, ActuatorUpdate, Id, Thresholds};
 use crate::store::{Page, Paged, StoreError};
 
 const INSERT: &str = "INSERT INTO actuators
@@ -12,7 +12,11 @@ const INSERT: &str = "INSERT INTO actuators
     revision, parameter_set_hash) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)";
 const ONE: &str = "SELECT id, serial_number, tail_number, location, parameter_set, parameter_set_hash,
     threshold_kgm, threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id = ?1";
-const PIN: &str = "UPDATE actuators SET parameter_set = ?2, parameter_set_hash = ?3 WHERE id = ?1";
+const CHANGE: &str = "UPDATE actuators SET parameter_set = coalesce(?2, parameter_set),
+    parameter_set_hash = coalesce(?3, parameter_set_hash),
+    threshold_kgm = coalesce(?4, threshold_kgm), threshold_fdj_n = coalesce(?5, threshold_fdj_n),
+    revision = revision + ((coalesce(?4, threshold_kgm), coalesce(?5, threshold_fdj_n)) <> (threshold_kgm, threshold_fdj_n))
+    WHERE id = ?1";
 pub(super) const LIST: &str = "SELECT id, serial_number, tail_number, location, parameter_set, parameter_set_hash,
     threshold_kgm, threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id > ?1 ORDER BY id LIMIT ?2";
 
@@ -44,9 +48,16 @@ pub(super) async fn one(readers: &SqlitePool, id: Id) -> Result<Option<Actuator>
     row.as_ref().map(read).transpose()
 }
 
-pub(super) async fn pin(writer: &SqlitePool, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError> {
+pub(super) async fn change(
+    writer: &SqlitePool,
+    id: Id,
+    update: &ActuatorUpdate,
+) -> Result<Option<Actuator>, StoreError> {
+    let ActuatorUpdate { parameter_set, threshold_kgm, threshold_fdj_n } = update;
+    let (set, hash) = parameter_set.as_ref().map(|(set, hash)| (set.as_str(), hash.as_str())).unzip();
     let mut transaction = begin(writer).await?;
-    sqlx::query(PIN).bind(id.to_string()).bind(set).bind(hash).execute(&mut *transaction).await?;
+    let query = sqlx::query(CHANGE).bind(id.to_string()).bind(set).bind(hash);
+    query.bind(threshold_kgm).bind(threshold_fdj_n).execute(&mut *transaction).await?;
     let row = sqlx::query(ONE).bind(id.to_string()).fetch_optional(&mut *transaction).await?;
     let actuator = row.as_ref().map(read).transpose()?;
     transaction.commit().await?;

@@ -4,8 +4,8 @@ use sqlx::sqlite::{SqlitePool, SqliteRow};
 use sqlx::{Row as _, ValueRef as _};
 
 use super::row::{Reader, micros};
-use super::{actuators, begin, health};
-use crate::store::records::{ForecastRecord, HealthRecord, Id};
+use super::{actuators, begin, health, trend};
+use crate::store::records::{ForecastRecord, HealthRecord, Id, TrendRecord};
 use crate::store::{FleetRow, Page, Paged, StoreError};
 
 /// A page of the fleet: each actuator, its newest health record in this life, its forecast and its place in the order.
@@ -53,7 +53,11 @@ pub(super) async fn forecast(readers: &SqlitePool, actuator: Id) -> Result<Optio
     row.as_ref().map(|row| read(row, 0)).transpose()
 }
 
-pub(super) async fn store_forecast(writer: &SqlitePool, forecast: &ForecastRecord) -> Result<bool, StoreError> {
+pub(super) async fn store_forecast(
+    writer: &SqlitePool,
+    forecast: &ForecastRecord,
+    step: Option<&TrendRecord>,
+) -> Result<bool, StoreError> {
     let mut transaction = begin(writer).await?;
     let ranked = sqlx::query(RANK)
         .bind(forecast.actuator_id.to_string())
@@ -72,6 +76,9 @@ pub(super) async fn store_forecast(writer: &SqlitePool, forecast: &ForecastRecor
         .bind(&forecast.basis)
         .execute(&mut *transaction)
         .await?;
+    if let Some(step) = step {
+        trend::keep(&mut transaction, step).await?;
+    }
     transaction.commit().await?;
     Ok(true)
 }

@@ -94,13 +94,17 @@ pub(super) async fn life(readers: &SqlitePool, actuator: Id) -> Result<Option<Li
     };
     let revision = row.try_get(0)?;
     let start = sqlx::query(LIFE_START).bind(&id).fetch_optional(&mut *snapshot).await?;
-    let (since, life_start_usage) = match &start {
-        Some(row) => (row.try_get(0)?, Some(row.try_get(1)?)),
-        None => (i64::MIN, None),
+    let (life_started_at, life_start_usage) = match &start {
+        Some(row) => {
+            let mut row = Reader::new(row, "maintenance event", 0);
+            (Some(row.time()?), Some(row.value()?))
+        }
+        None => (None, None),
     };
+    let since = life_started_at.map_or(i64::MIN, micros);
     let rows = sqlx::query(LIFE).bind(&id).bind(since).fetch_all(&mut *snapshot).await?;
     let records = rows.iter().map(|row| read(row, 0)).collect::<Result<_, _>>()?;
-    Ok(Some(LifeHistory { revision, life_start_usage, records }))
+    Ok(Some(LifeHistory { revision, life_started_at, life_start_usage, records }))
 }
 
 pub(super) async fn insert_maintenance(writer: &SqlitePool, event: &Maintenance) -> Result<(), StoreError> {

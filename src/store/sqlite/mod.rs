@@ -11,6 +11,7 @@ mod parameter_sets;
 mod plans;
 mod row;
 mod traces;
+mod trend;
 #[cfg(test)]
 mod upgrades;
 mod uploads;
@@ -26,8 +27,8 @@ use sqlx::{Connection as _, Sqlite, SqliteConnection, Transaction};
 
 use super::local::create_durably;
 use super::records::{
-    Actuator, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome, ParameterSetRecord,
-    TraceRecord,
+    Actuator, ActuatorUpdate, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome,
+    ParameterSetRecord, TraceRecord, TrendRecord,
 };
 use super::{FleetRow, LifeHistory, Page, Paged, Records, StoreError};
 
@@ -106,8 +107,8 @@ impl Records for SqliteRecords {
         actuators::one(&self.readers, id).await
     }
 
-    async fn pin_actuator(&self, id: Id, set: &str, hash: &str) -> Result<Option<Actuator>, StoreError> {
-        actuators::pin(&self.writer, id, set, hash).await
+    async fn change_actuator(&self, id: Id, update: &ActuatorUpdate) -> Result<Option<Actuator>, StoreError> {
+        actuators::change(&self.writer, id, update).await
     }
 
     async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError> {
@@ -216,8 +217,22 @@ impl Records for SqliteRecords {
         fleet::forecast(&self.readers, actuator).await
     }
 
-    async fn store_forecast(&self, forecast: &ForecastRecord) -> Result<bool, StoreError> {
-        fleet::store_forecast(&self.writer, forecast).await
+    async fn store_forecast(&self, forecast: &ForecastRecord, step: Option<&TrendRecord>) -> Result<bool, StoreError> {
+        fleet::store_forecast(&self.writer, forecast, step).await
+    }
+
+    async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError> {
+        trend::fill(&self.writer, step).await
+    }
+
+    async fn trend(
+        &self,
+        actuator: Id,
+        from: Option<Timestamp>,
+        to: Option<Timestamp>,
+        page: &Page,
+    ) -> Result<Paged<TrendRecord>, StoreError> {
+        trend::list(&self.readers, actuator, from, to, page).await
     }
 
     async fn expire_forecasts(&self, basis: &str) -> Result<(), StoreError> {

@@ -2,7 +2,7 @@
 
 use sqlx::{AssertSqlSafe, Row as _};
 
-use super::{SqliteRecords, actuators, fleet, health, jobs, parameter_sets};
+use super::{SqliteRecords, actuators, fleet, health, jobs, parameter_sets, trend};
 
 async fn plan(records: &SqliteRecords, sql: &'static str) -> Vec<String> {
     let explain = AssertSqlSafe(format!("EXPLAIN QUERY PLAN {sql}"));
@@ -31,6 +31,7 @@ async fn every_hot_query_searches_an_index_and_sorts_nothing() {
         health::MAINTENANCE,
         fleet::FLEET,
         fleet::FLEET_OF_TAIL,
+        trend::LIST,
     ];
     for sql in hot {
         let plan = plan(&records, sql).await;

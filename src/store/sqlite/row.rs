@@ -62,6 +62,13 @@ impl<'r> Reader<'r> {
         micros.map(Timestamp::from_microsecond).transpose().map_err(|error| self.corrupt(error))
     }
 
+    /// A time, or none where a number stands for none.
+    pub(super) fn time_unless(&mut self, none: i64) -> Result<Option<Timestamp>, StoreError> {
+        let micros: i64 = self.value()?;
+        let time = (micros != none).then(|| Timestamp::from_microsecond(micros));
+        time.transpose().map_err(|error| self.corrupt(error))
+    }
+
     /// A count, which SQLite keeps signed.
     pub(super) fn count<T: TryFrom<i64, Error: ToString>>(&mut self) -> Result<T, StoreError> {
         let value: i64 = self.value()?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 
 use super::{FILE, MIGRATIONS, SqliteRecords};
-use crate::store::records::{Id, ParameterSetRecord, now};
+use crate::store::records::{ForecastRecord, Id, ParameterSetRecord, TrendFaults, TrendRecord, now};
 use crate::store::{Page, Records as _};
 
 /// A database of an older schema.
@@ -78,4 +78,42 @@ async fn an_actuator_from_before_there_were_parameter_sets_is_pinned_to_the_buil
     assert_eq!(records.actuator(id).await.unwrap().unwrap().parameter_set_hash, "0a");
     let rows = records.fleet(None, &Page { after: None, limit: 1 }).await.unwrap().items;
     assert_eq!(rows[0].actuator.parameter_set_hash, "0a");
+}
+
+#[tokio::test]
+async fn a_forecast_from_before_there_was_a_trend_stays_and_the_trend_begins_with_the_next() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = older(dir.path(), 4).await;
+    let id = Id::now();
+    insert_actuator(&old, id).await;
+    insert_estimate(&old, id, 0, "{}").await;
+    let kept =
+        "INSERT INTO forecasts (actuator_id, created_at, document, basis) VALUES (?1, 0, '{\"old\": true}', 'old')";
+    sqlx::query(kept).bind(id.to_string()).execute(&old).await.unwrap();
+    old.close().await;
+    let records = SqliteRecords::open(dir.path()).await.unwrap();
+    assert_eq!(records.forecast(id).await.unwrap().unwrap().document, serde_json::json!({"old": true}));
+    let page = Page { after: None, limit: 10 };
+    assert!(records.trend(id, None, None, &page).await.unwrap().items.is_empty());
+    let newest = records.life_history(id).await.unwrap().unwrap().records.remove(0);
+    let (document, basis, made_at) = (serde_json::json!({}), "new".to_owned(), now());
+    let step = TrendRecord {
+        actuator_id: id,
+        life_started_at: None,
+        life_start_usage: None,
+        trace_id: newest.trace_id,
+        recorded_at: newest.recorded_at,
+        usage: newest.usage,
+        made_at,
+        risk_window: 100.0,
+        actuator: None,
+        faults: TrendFaults { kgm: None, fdj_n: None },
+        basis: basis.clone(),
+        version: "new".into(),
+    };
+    let (risk, median_remaining) = (None, None);
+    let forecast =
+        ForecastRecord { actuator_id: id, revision: 0, risk, median_remaining, document, basis, created_at: made_at };
+    assert!(records.store_forecast(&forecast, Some(&step)).await.unwrap());
+    assert_eq!(records.trend(id, None, None, &page).await.unwrap().items, [step]);
 }

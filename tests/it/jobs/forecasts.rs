@@ -2,15 +2,16 @@
 
 use std::sync::mpsc::{Sender, channel};
 
-use elevon::jobs::run::predict::RemainingLife;
+use elevon::jobs::JobSettings;
+use elevon::jobs::run::predict::{RemainingLife, RiskQuestion};
 use elevon::jobs::run::{Compute, Finding, Models, RunError, Work};
 use elevon::numeric::watch::Watch;
 use elevon::store::LifeHistory;
-use elevon::store::records::{Actuator, Id, JobState, MaintenanceKind};
+use elevon::store::records::{Actuator, ActuatorUpdate, Id, JobState, MaintenanceKind, TrendRecord};
 use serde_json::{Value, json};
 
 use super::bench::{Bench, csv, driven};
-use crate::store_contract::samples::{maintained, measured, registered};
+use crate::store_contract::samples::{all, at, maintained, measured, registered};
 
 #[tokio::test]
 async fn a_forecast_is_made_again_only_when_its_history_has_changed() {
@@ -66,9 +67,9 @@ impl Compute for Noted {
         Models.compute(work, watch)
     }
 
-    fn predict(&self, actuator: &Actuator, history: &LifeHistory, risk_window: f64) -> RemainingLife {
+    fn predict(&self, actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
         self.0.send(actuator.id).unwrap();
-        Models.predict(actuator, history, risk_window)
+        Models.predict(actuator, history, asked)
     }
 }
 
@@ -107,7 +108,7 @@ impl Compute for NoForecast {
         Models.compute(work, watch)
     }
 
-    fn predict(&self, _: &Actuator, _: &LifeHistory, _: f64) -> RemainingLife {
+    fn predict(&self, _: &Actuator, _: &LifeHistory, _: &RiskQuestion) -> RemainingLife {
         panic!("a singular matrix")
     }
 }
@@ -123,4 +124,160 @@ async fn a_forecast_that_panics_is_kept_as_a_reason_and_its_job_has_succeeded() 
     let forecast = bench.records.forecast(actuator).await.unwrap().unwrap();
     assert_eq!((forecast.revision, forecast.risk), (1, None));
     assert_eq!(forecast.document["reasons"], json!(["the forecast failed: panicked: a singular matrix"]));
+}
+
+async fn trend(bench: &Bench, actuator: Id) -> Vec<TrendRecord> {
+    bench.records.trend(actuator, None, None, &all()).await.unwrap().items
+}
+
+/// Makes the forecast of an actuator as it is now.
+async fn forecast(bench: &Bench, actuator: Id) {
+    let actuator = bench.records.actuator(actuator).await.unwrap().unwrap();
+    bench.jobs.forecast(&actuator).await.unwrap();
+}
+
+#[tokio::test]
+async fn every_estimation_leaves_its_step_of_the_trend_without_a_reader() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let actuator = registered(&*bench.records, "A").await.id;
+    let mut expected = Vec::new();
+    for second in [10, 20] {
+        let (trace, _) = bench.upload(actuator, second, csv()).await;
+        assert_eq!(bench.run_all().await, 1);
+        expected.push((trace.id, second as f64));
+    }
+    let trend = trend(&bench, actuator).await;
+    assert_eq!(trend.iter().map(|step| (step.trace_id, step.usage)).collect::<Vec<_>>(), expected);
+    assert!(trend[0].made_at < trend[1].made_at);
+    let stored = bench.records.forecast(actuator).await.unwrap().unwrap();
+    let (newest, document) = (trend[1].actuator.unwrap(), &stored.document);
+    assert_eq!(json!(newest.q50), document["forecast"]["quantiles"]["0.5"]);
+    assert_eq!(json!(newest.mean), document["forecast"]["mean"]);
+    assert_eq!(json!(newest.risk), document["risk"]["probability"]);
+    assert_eq!(json!(trend[1].faults.kgm.unwrap().q05), document["faults"]["kgm"]["forecast"]["quantiles"]["0.05"]);
+    assert_eq!((trend[1].made_at, trend[1].basis.as_str()), (stored.created_at, stored.basis.as_str()));
+}
+
+#[tokio::test]
+async fn estimates_that_come_late_or_end_together_have_their_steps_from_what_was_recorded_up_to_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let id = registered(&*bench.records, "A").await.id;
+    for i in [1, 2, 4] {
+        measured(&*bench.records, id, 100 * i, Some(0.04 * i as f64)).await;
+    }
+    forecast(&bench, id).await;
+    let newest = trend(&bench, id).await;
+    assert_eq!(newest.len(), 1, "no worker estimated these");
+    let (late, _) = bench.upload(id, 300, csv()).await;
+    assert_eq!(bench.run_all().await, 1);
+    let steps = trend(&bench, id).await;
+    assert_eq!(steps.iter().map(|step| step.usage).collect::<Vec<_>>(), [300.0, 400.0]);
+    assert_eq!((steps[0].trace_id, steps[0].recorded_at), (late.id, at(300)));
+    assert!(steps[0].actuator.is_some() && steps[0].made_at > newest[0].made_at);
+    assert_ne!(steps[1].actuator, newest[0].actuator, "the newest is forecast with it");
+    let twin = registered(&*bench.records, "B").await.id;
+    for i in [1, 2] {
+        measured(&*bench.records, twin, 100 * i, Some(0.04 * i as f64)).await;
+    }
+    bench.upload(twin, 300, csv()).await;
+    assert_eq!(bench.run_all().await, 1);
+    let alone = trend(&bench, twin).await;
+    assert_eq!((alone[0].usage, alone[0].actuator), (300.0, steps[0].actuator), "as if nothing had come after it");
+}
+
+#[tokio::test]
+async fn a_late_upload_and_another_threshold_change_the_newest_step_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let id = registered(&*bench.records, "A").await.id;
+    for i in [1, 2, 4, 5] {
+        measured(&*bench.records, id, 100 * i, Some(0.04 * i as f64)).await;
+        forecast(&bench, id).await;
+    }
+    let before = trend(&bench, id).await;
+    assert_eq!(before.len(), 4);
+    measured(&*bench.records, id, 300, Some(0.12)).await;
+    forecast(&bench, id).await;
+    let late = trend(&bench, id).await;
+    assert_eq!(late[..3], before[..3]);
+    assert_eq!((late.len(), late[3].trace_id), (4, before[3].trace_id));
+    assert_ne!(late[3].actuator, before[3].actuator);
+    let update = ActuatorUpdate { threshold_kgm: Some(0.3), ..ActuatorUpdate::default() };
+    bench.records.change_actuator(id, &update).await.unwrap().unwrap();
+    forecast(&bench, id).await;
+    let sooner = trend(&bench, id).await;
+    assert_eq!((&sooner[..3], sooner.len()), (&before[..3], 4));
+    assert!(sooner[3].faults.kgm.unwrap().q50 < late[3].faults.kgm.unwrap().q50, "{sooner:?}");
+}
+
+#[tokio::test]
+async fn a_new_life_goes_on_with_the_trend_and_the_old_one_s_steps_stay() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let id = registered(&*bench.records, "A").await.id;
+    for second in [100, 200] {
+        measured(&*bench.records, id, second, Some(0.1)).await;
+        forecast(&bench, id).await;
+    }
+    maintained(&*bench.records, id, MaintenanceKind::Replaced, 250).await;
+    forecast(&bench, id).await;
+    assert_eq!(trend(&bench, id).await.len(), 2, "there is no trace of the new life yet");
+    measured(&*bench.records, id, 300, Some(0.0)).await;
+    forecast(&bench, id).await;
+    let lives: Vec<_> = trend(&bench, id).await.iter().map(|step| (step.usage, step.life_started_at)).collect();
+    assert_eq!(lives, [(100.0, None), (200.0, None), (300.0, Some(at(250)))]);
+}
+
+#[tokio::test]
+async fn a_trace_of_a_life_that_is_over_has_its_step_in_that_life() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let id = registered(&*bench.records, "A").await.id;
+    for second in [100, 250] {
+        maintained(&*bench.records, id, MaintenanceKind::Replaced, second).await;
+    }
+    for second in [50, 150, 170, 300] {
+        measured(&*bench.records, id, second, Some(0.1)).await;
+    }
+    let (late, _) = bench.upload(id, 160, csv()).await;
+    let (first, _) = bench.upload(id, 60, csv()).await;
+    assert_eq!(bench.run_all().await, 2);
+    let steps: Vec<_> = trend(&bench, id)
+        .await
+        .iter()
+        .map(|step| (step.trace_id, step.life_started_at, step.life_start_usage))
+        .collect();
+    assert_eq!(steps[..2], [(first.id, None, None), (late.id, Some(at(100)), Some(100.0))]);
+    assert_eq!((steps.len(), steps[2].1), (3, Some(at(250))));
+}
+
+#[tokio::test]
+async fn restarts_and_other_settings_do_not_multiply_the_steps() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut basis = String::new();
+    for (round, act_at_risk) in [0.05, 0.05, 0.1].into_iter().enumerate() {
+        let settings = JobSettings { act_at_risk, ..driven() };
+        let bench = Bench::open(dir.path(), settings, Models).await;
+        let id = match bench.records.actuators(&all()).await.unwrap().items.first() {
+            Some(actuator) => actuator.id,
+            None => registered(&*bench.records, "A").await.id,
+        };
+        if round == 0 {
+            for second in [100, 200, 300] {
+                measured(&*bench.records, id, second, Some(0.1)).await;
+                forecast(&bench, id).await;
+            }
+        }
+        bench.jobs.start().await.unwrap();
+        bench.jobs.refresh_stale().await.unwrap();
+        let steps = trend(&bench, id).await;
+        assert_eq!(steps.len(), 3);
+        assert_eq!(steps[2].basis != basis, round != 1, "{basis}");
+        basis = steps[2].basis.clone();
+        let stored = bench.records.forecast(id).await.unwrap().unwrap();
+        assert_eq!(stored.document["act_by"]["risk"], json!(act_at_risk));
+        bench.jobs.stop().await;
+    }
 }

@@ -34,6 +34,7 @@ pub async fn contract_a_malformed_cursor_is_refused_by_every_list(records: Arc<d
         records.health(id, None, None, &page).await.unwrap_err(),
         records.maintenance(id, &page).await.unwrap_err(),
         records.fleet(None, &page).await.unwrap_err(),
+        records.trend(id, None, None, &page).await.unwrap_err(),
     ];
     for error in errors {
         assert!(matches!(&error, StoreError::Cursor { found } if found == "no cursor"), "{error}");
@@ -56,6 +57,7 @@ pub async fn contract_a_cursor_of_another_list_is_refused(records: Arc<dyn Recor
         records.health(b, None, None, &of_health).await.unwrap_err(),
         records.health(a, Some(at(10)), None, &of_health).await.unwrap_err(),
         records.maintenance(a, &of_health).await.unwrap_err(),
+        records.trend(a, None, None, &of_health).await.unwrap_err(),
         records.fleet(Some("I-ABCD"), &of_fleet).await.unwrap_err(),
         records.actuators(&of_jobs).await.unwrap_err(),
         records.parameter_sets(&of_jobs).await.unwrap_err(),
@@ -69,14 +71,14 @@ pub async fn contract_a_forecast_of_an_older_revision_is_refused(records: Arc<dy
     let actuator = registered(&*records, "A").await.id;
     assert_eq!(records.forecast(actuator).await.unwrap(), None);
     let first = forecast(actuator, 0, None, None);
-    assert!(records.store_forecast(&first).await.unwrap());
+    assert!(records.store_forecast(&first, None).await.unwrap());
     measured(&*records, actuator, 10, Some(0.1)).await;
-    assert!(!records.store_forecast(&forecast(actuator, 0, Some(0.5), None)).await.unwrap());
+    assert!(!records.store_forecast(&forecast(actuator, 0, Some(0.5), None), None).await.unwrap());
     assert_eq!(records.forecast(actuator).await.unwrap(), Some(first));
     let second = forecast(actuator, 1, Some(0.25), Some(0.1 + 0.2));
-    assert!(records.store_forecast(&second).await.unwrap());
+    assert!(records.store_forecast(&second, None).await.unwrap());
     assert_eq!(records.forecast(actuator).await.unwrap(), Some(second));
-    assert!(!records.store_forecast(&forecast(Id::now(), 0, None, None)).await.unwrap());
+    assert!(!records.store_forecast(&forecast(Id::now(), 0, None, None), None).await.unwrap());
 }
 
 pub async fn contract_what_changes_a_history_makes_its_forecast_stale(records: Arc<dyn Records>) {
@@ -84,7 +86,7 @@ pub async fn contract_what_changes_a_history_makes_its_forecast_stale(records: A
     assert_eq!(records.stale_forecasts(10).await.unwrap(), [a, b]);
     assert_eq!(records.stale_forecasts(1).await.unwrap(), [a]);
     for id in [a, b] {
-        records.store_forecast(&forecast(id, 0, None, None)).await.unwrap();
+        records.store_forecast(&forecast(id, 0, None, None), None).await.unwrap();
     }
     assert!(records.stale_forecasts(10).await.unwrap().is_empty());
     records.expire_forecasts("this").await.unwrap();
@@ -92,7 +94,7 @@ pub async fn contract_what_changes_a_history_makes_its_forecast_stale(records: A
     records.expire_forecasts("another").await.unwrap();
     assert_eq!(records.stale_forecasts(10).await.unwrap(), [a, b], "a forecast of another basis is made again");
     for id in [a, b] {
-        assert!(records.store_forecast(&forecast(id, 0, None, None)).await.unwrap());
+        assert!(records.store_forecast(&forecast(id, 0, None, None), None).await.unwrap());
     }
     measured(&*records, a, 10, None).await;
     assert_eq!(records.stale_forecasts(10).await.unwrap(), [a]);
@@ -111,7 +113,7 @@ pub async fn contract_the_fleet_is_listed_riskiest_first_page_by_page(records: A
     ];
     for (serial_number, risk, median) in ranks {
         let id = registered(&*records, serial_number).await.id;
-        records.store_forecast(&forecast(id, 0, risk, median)).await.unwrap();
+        records.store_forecast(&forecast(id, 0, risk, median), None).await.unwrap();
     }
     let mut elsewhere = actuator("elsewhere");
     elsewhere.tail_number = "I-OTHER".into();
@@ -143,7 +145,7 @@ pub async fn contract_the_fleet_shows_the_newest_health_of_this_life(records: Ar
     }
     assert_eq!(newest().await, Some(30.0));
     let stored = forecast(id, 3, Some(0.1), Some(5.0));
-    records.store_forecast(&stored).await.unwrap();
+    records.store_forecast(&stored, None).await.unwrap();
     maintained(&*records, id, MaintenanceKind::Replaced, 40).await;
     assert_eq!((newest().await, row().await.forecast), (None, Some(stored)));
     assert_eq!(row().await.actuator.revision, 4);

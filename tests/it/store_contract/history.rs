@@ -190,6 +190,8 @@ pub async fn contract_maintenance_starts_a_life_unless_it_is_an_inspection(recor
     maintained(&*records, actuator, MaintenanceKind::Overhauled, 30).await;
     assert_eq!(life().await, (6, Some(30.0), vec![30.0, 40.0]));
     maintained(&*records, actuator, MaintenanceKind::Replaced, 15).await;
+    let started_at = records.life_history(actuator).await.unwrap().unwrap().life_started_at;
+    assert_eq!(started_at, Some(at(30)));
     assert_eq!(life().await, (7, Some(30.0), vec![30.0, 40.0]), "the newest event starts the life, not the last told");
     assert_eq!(history(&*records, actuator).await.len(), 4, "older records stay");
     assert_eq!(records.life_history(Id::now()).await.unwrap(), None);

@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use elevon::store::records::Id;
+use elevon::store::records::{ActuatorUpdate, Id, Thresholds};
 use elevon::store::{Page, Records};
 
 use super::samples::{actuator, all, parameter_set};
@@ -82,7 +82,31 @@ pub async fn contract_an_actuator_is_pinned_anew_and_keeps_the_rest(records: Arc
         records.insert_actuator(actuator).await.unwrap();
     }
     (changed.parameter_set, changed.parameter_set_hash) = ("mine".into(), "0a".into());
-    assert_eq!(records.pin_actuator(changed.id, "mine", "0a").await.unwrap(), Some(changed.clone()));
+    let update = ActuatorUpdate { parameter_set: Some(("mine".into(), "0a".into())), ..ActuatorUpdate::default() };
+    assert_eq!(records.change_actuator(changed.id, &update).await.unwrap(), Some(changed.clone()));
     assert_eq!(records.actuators(&all()).await.unwrap().items, [changed, other]);
-    assert_eq!(records.pin_actuator(Id::now(), "mine", "0a").await.unwrap(), None);
+    assert_eq!(records.change_actuator(Id::now(), &update).await.unwrap(), None);
+}
+
+pub async fn contract_a_threshold_that_becomes_another_grows_the_revision_and_keeps_the_rest(
+    records: Arc<dyn Records>,
+) {
+    let (mut changed, other) = (actuator("changed"), actuator("other"));
+    for actuator in [&changed, &other] {
+        records.insert_actuator(actuator).await.unwrap();
+    }
+    let steps = [
+        (Some(0.3), None, 0.3, 1000.0, 1),
+        (None, Some(900.0), 0.3, 900.0, 2),
+        (Some(0.3), Some(900.0), 0.3, 900.0, 2),
+        (None, None, 0.3, 900.0, 2),
+        (Some(0.1 + 0.2), Some(210.0), 0.1 + 0.2, 210.0, 3),
+    ];
+    for (threshold_kgm, threshold_fdj_n, kgm, fdj_n, revision) in steps {
+        (changed.thresholds, changed.revision) = (Thresholds { kgm, fdj_n }, revision);
+        let update = ActuatorUpdate { threshold_kgm, threshold_fdj_n, ..ActuatorUpdate::default() };
+        assert_eq!(records.change_actuator(changed.id, &update).await.unwrap(), Some(changed.clone()));
+    }
+    assert_eq!(records.actuators(&all()).await.unwrap().items, [changed.clone(), other.clone()]);
+    assert_eq!(records.stale_forecasts(10).await.unwrap(), [changed.id, other.id]);
 }

@@ -3,7 +3,7 @@
 use elevon::estimation::{Estimate, Verdict};
 use elevon::store::records::{
     Actuator, ForecastRecord, Id, JobKind, Maintenance, MaintenanceKind, NewJob, Outcome, ParameterSetRecord,
-    Thresholds, TraceRecord, UsageUnit, now,
+    Thresholds, TraceRecord, TrendFaults, TrendFigures, TrendRecord, UsageUnit, now,
 };
 use elevon::store::{Page, Records};
 use jiff::Timestamp;
@@ -131,4 +131,30 @@ pub async fn maintained(records: &dyn Records, actuator_id: Id, kind: Maintenanc
 pub fn forecast(actuator_id: Id, revision: i64, risk: Option<f64>, median_remaining: Option<f64>) -> ForecastRecord {
     let document = json!({"made_from": revision});
     ForecastRecord { actuator_id, revision, risk, median_remaining, document, basis: "this".into(), created_at: now() }
+}
+
+/// A step of a trend at a trace of the first life, recorded at a second and with as much usage.
+pub fn step(actuator_id: Id, trace_id: Id, second: i64) -> TrendRecord {
+    let figures = |q50: f64| TrendFigures {
+        q05: Some(0.1 + 0.2),
+        q50: Some(q50),
+        q95: None,
+        mean: Some(1e-300),
+        reached: false,
+        risk: Some(0.25),
+    };
+    TrendRecord {
+        actuator_id,
+        life_started_at: None,
+        life_start_usage: None,
+        trace_id,
+        recorded_at: at(second),
+        usage: second as f64,
+        made_at: now(),
+        risk_window: 100.0,
+        actuator: Some(figures(10.0)),
+        faults: TrendFaults { kgm: Some(figures(20.0)), fdj_n: None },
+        basis: "this".into(),
+        version: elevon::VERSION.into(),
+    }
 }

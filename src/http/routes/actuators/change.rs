@@ -13,10 +13,10 @@ use crate::http::openapi::RecordBodyProblems;
 use crate::http::routes::{actuator, parameter_set};
 use crate::store::records::Actuator;
 
-/// Pins an actuator to another parameter set, or to another version of its own.
+/// Pins an actuator to another parameter set, or to another version of its own, and changes its failure thresholds.
 ///
-/// What is estimated from now on is estimated with it, what waits in the queue included. Earlier estimates stay as they are,
-/// each with the hash of the set that it was made with.
+/// What is estimated from now on is estimated with the new set, what waits in the queue included. Earlier estimates stay as they
+/// are, each with the hash of the set that it was made with. With another threshold the forecast is made again.
 #[utoipa::path(
     patch,
     path = "/v1/actuators/{id}",
@@ -32,7 +32,11 @@ pub(super) async fn change_actuator(
     JsonBody(body): JsonBody<ActuatorChange>,
 ) -> ApiResult<Json<Actuator>> {
     let id = actuator(&app, &id).await?.id;
-    let (set, hash) = ActuatorChange::check(parameter_set(&app, Some(&body.parameter_set)).await?)?;
-    let changed = app.records.pin_actuator(id, &set, &hash).await?;
+    let set = match body.parameter_set() {
+        Some(name) => Some(parameter_set(&app, Some(name)).await?),
+        None => None,
+    };
+    let update = body.check(set)?;
+    let changed = app.records.change_actuator(id, &update).await?;
     changed.map(Json).ok_or_else(|| ApiError::not_found("actuator", id))
 }

@@ -34,7 +34,7 @@ pub(super) async fn create_actuator(
     JsonBody(body): JsonBody<NewActuator>,
 ) -> ApiResult<Created<Actuator>> {
     let set = parameter_set(&app, body.parameter_set()).await?;
-    let actuator = body.check(set, records::now())?;
+    let actuator = body.check(set, app.thresholds, records::now())?;
     app.records.insert_actuator(&actuator).await?;
     Ok(Created { location: format!("/v1/actuators/{}", actuator.id), record: actuator })
 }

@@ -20,9 +20,9 @@ use crate::store::Paged;
 #[into_params(parameter_in = Query)]
 pub(super) struct HistoryQuery {
     /// Only what was recorded at this time or later: RFC 3339 with an offset.
-    from: Option<Timestamp>,
+    pub(super) from: Option<Timestamp>,
     /// Only what was recorded before this time: RFC 3339 with an offset.
-    to: Option<Timestamp>,
+    pub(super) to: Option<Timestamp>,
 }
 
 impl FromQuery for (HistoryQuery, PageQuery) {

@@ -4,6 +4,7 @@ mod baseline;
 mod fleet;
 mod history;
 mod remaining_life;
+mod trend;
 
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -16,5 +17,6 @@ pub fn routes() -> OpenApiRouter<App> {
         .routes(routes!(history::health_history))
         .routes(routes!(baseline::baseline))
         .routes(routes!(remaining_life::remaining_life))
+        .routes(routes!(trend::remaining_life_trend))
         .routes(routes!(fleet::fleet_health))
 }
