@@ -8,6 +8,7 @@ mod forecast;
 mod history;
 mod life;
 mod line;
+pub mod metrics;
 mod normal;
 mod remaining_life;
 #[cfg(test)]
