@@ -9,6 +9,7 @@ mod openapi;
 mod parameter_sets;
 mod parameters;
 mod progress;
+mod remaining_life;
 mod reproduce;
 mod serve;
 mod simulate;
@@ -42,6 +43,8 @@ enum Command {
     Simulate(simulate::SimulateArgs),
     /// Estimate faults from traces, without a server
     Estimate(estimate::EstimateArgs),
+    /// Forecast the remaining life from a history, or score such forecasts
+    RemainingLife(remaining_life::RemainingLifeArgs),
     /// Compare the methods of the search at equal evaluations
     Methods(methods::MethodsArgs),
     /// Make the thesis's tables and figures again, ours beside the thesis's
@@ -59,6 +62,7 @@ impl Command {
             Self::Demo(args) => demo::run(&args),
             Self::Simulate(args) => simulate::run(&args),
             Self::Estimate(args) => estimate::run(&args),
+            Self::RemainingLife(args) => remaining_life::run(&args),
             Self::Methods(args) => methods::run(&args),
             Self::Reproduce(args) => reproduce::run(&args),
             Self::Parameters(args) => parameters::run(&args),

@@ -33,26 +33,27 @@ impl Places for Lines {
     }
 }
 
-fn at(line: u64, name: &str) -> String {
+/// A column on a line.
+pub(super) fn at(line: u64, name: &str) -> String {
     format!("line {line}, column {}", clip(name))
 }
 
 /// The lines of a text that hold something, split into fields.
-struct Rows<'a> {
+pub(super) struct Rows<'a> {
     text: &'a str,
     reader: Reader<&'a [u8]>,
-    row: StringRecord,
+    pub(super) row: StringRecord,
 }
 
 impl<'a> Rows<'a> {
-    fn new(text: &'a str, separator: u8) -> Self {
+    pub(super) fn new(text: &'a str, separator: u8) -> Self {
         let mut builder = ReaderBuilder::new();
         builder.delimiter(separator).comment(Some(b'#')).has_headers(false).flexible(true);
         Self { text, reader: builder.from_reader(text.as_bytes()), row: StringRecord::new() }
     }
 
     /// The next row, or `None` after the last one.
-    fn next(&mut self) -> Option<&StringRecord> {
+    pub(super) fn next(&mut self) -> Option<&StringRecord> {
         while self.reader.read_record(&mut self.row).expect("text in memory can be read, and its rows may be uneven") {
             if self.row.len() > 1 || self.row.iter().any(|field| !field.trim().is_empty()) {
                 return Some(&self.row);
@@ -63,7 +64,7 @@ impl<'a> Rows<'a> {
 
     /// The line on which the newest row begins. A row's position is where the one before it ended, ahead of comments
     /// and blank lines.
-    fn line(&self) -> u64 {
+    pub(super) fn line(&self) -> u64 {
         let Some(position) = self.row.position() else { return 1 };
         let mut line = position.line();
         let mut rest = &self.text.as_bytes()[position.byte() as usize..];
@@ -81,7 +82,7 @@ impl<'a> Rows<'a> {
 }
 
 /// The separator that splits the header into most names, preferably as many as the first row has fields.
-fn separator(text: &str) -> u8 {
+pub(super) fn separator(text: &str) -> u8 {
     let fit = |&separator: &u8| {
         let mut rows = Rows::new(text, separator);
         let [names, fields] = [(); 2].map(|()| rows.next().map_or(0, StringRecord::len));

@@ -36,7 +36,7 @@ fn token(name: &str) -> String {
 }
 
 /// The pointer to the place where the reading ended; empty at the top level.
-fn pointer(path: &Path) -> String {
+pub(super) fn pointer(path: &Path) -> String {
     path.iter()
         .map(|segment| match segment {
             Segment::Seq { index } => format!("/{index}"),
@@ -76,7 +76,7 @@ pub(super) fn read<T>(
 }
 
 /// The fault that ended the reading: its message has the line and the column.
-fn stopped(pointer: &str, error: &serde_json::Error) -> Vec<FormatError> {
+pub(super) fn stopped(pointer: &str, error: &serde_json::Error) -> Vec<FormatError> {
     let place = match pointer {
         "" => format!("line {}, column {}", error.line(), error.column()),
         _ => pointer.into(),
@@ -102,9 +102,9 @@ struct NamedNumbers(Vec<(String, Numbers)>);
 
 /// An array of numbers. The places of its faults are pointers from the array on.
 #[derive(Default)]
-struct Numbers {
-    values: Vec<f64>,
-    faults: FormatErrors,
+pub(super) struct Numbers {
+    pub(super) values: Vec<f64>,
+    pub(super) faults: FormatErrors,
 }
 
 /// An element of such an array: a number, or what was found instead of one.

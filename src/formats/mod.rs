@@ -6,6 +6,7 @@
 mod columns;
 mod csv;
 mod errors;
+pub mod history;
 mod json;
 mod names;
 mod number;
@@ -149,8 +150,8 @@ fn read_for<T>(
     make: Make<T>,
 ) -> Result<T, Vec<FormatError>> {
     match format {
-        Format::Csv => csv::read(text(bytes)?, options, purpose, make),
-        Format::Json => json::read(text(bytes)?, options, purpose, make),
+        Format::Csv => csv::read(text(bytes, "a trace")?, options, purpose, make),
+        Format::Json => json::read(text(bytes, "a trace")?, options, purpose, make),
     }
 }
 
@@ -171,14 +172,14 @@ pub fn write_with(format: Format, trace: &Trace, metadata: &Map<String, Value>) 
 }
 
 /// The text of a file, without a byte order mark.
-fn text(bytes: &[u8]) -> Result<&str, Vec<FormatError>> {
+fn text<'a>(bytes: &'a [u8], expected: &str) -> Result<&'a str, Vec<FormatError>> {
     let text = std::str::from_utf8(bytes).map_err(|error| {
         let (before, after) = bytes.split_at(error.valid_up_to());
         let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
         only(format!("line {line}"), format!("found the byte 0x{:02x}, expected text in UTF-8", after[0]))
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    if text.trim().is_empty() { Err(only("file", "found nothing, expected a trace")) } else { Ok(text) }
+    if text.trim().is_empty() { Err(only("file", format!("found nothing, expected {expected}"))) } else { Ok(text) }
 }
 
 #[cfg(test)]

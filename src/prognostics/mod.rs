@@ -11,6 +11,7 @@ mod forecast;
 mod history;
 mod law;
 mod life;
+pub mod metrics;
 mod normal;
 mod posterior;
 mod prior;

@@ -3,6 +3,7 @@
 
 mod cli;
 mod cli_parameters;
+mod cli_remaining_life;
 mod estimation;
 mod house;
 mod http_actuators;
