@@ -3,6 +3,7 @@
 //! A job's row in the store is the truth. The dispatch only wakes a worker, which then claims the row; whatever it finds
 //! counts only if its attempt still runs.
 
+pub mod alerts;
 pub mod baselines;
 pub mod dispatch;
 pub mod kind;
@@ -24,6 +25,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::store::records::{self, Actuator, ForecastRecord, Id, Job, JobState, NewJob, TraceRecord};
 use crate::store::{Records, StoreError, Traces};
+use alerts::AlertSettings;
 use dispatch::Dispatch;
 use kind::JobSpec;
 use run::{Compute, Models, predict};
@@ -46,6 +48,8 @@ pub struct JobSettings {
     pub stop_limit: Duration,
     /// The usage ahead, in the actuator's unit, over which the fleet's risk is counted.
     pub risk_window: f64,
+    /// When alerts are raised and cleared.
+    pub alerts: AlertSettings,
 }
 
 impl Default for JobSettings {
@@ -57,6 +61,7 @@ impl Default for JobSettings {
             time_limit: Duration::from_secs(300),
             stop_limit: Duration::from_secs(10),
             risk_window: 100.0,
+            alerts: AlertSettings::default(),
         }
     }
 }
@@ -106,7 +111,7 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn start(&self) -> Result<(), StoreError> {
-        self.records.expire_forecasts(&predict::basis(self.settings.risk_window)).await?;
+        self.records.expire_forecasts(&predict::basis(&self.settings)).await?;
         for id in self.records.recover_jobs(self.settings.attempts_max, records::now()).await? {
             self.dispatch.publish(id).await;
         }
@@ -200,7 +205,7 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn forecast(&self, actuator: &Actuator) -> Result<ForecastRecord, StoreError> {
-        predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, self.settings.risk_window).await
+        predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, &self.settings).await
     }
 
     /// Brings every forecast up to date, for a list of the whole fleet. Callers take turns: who waited finds it done.

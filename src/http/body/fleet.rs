@@ -55,6 +55,8 @@ pub struct FleetItem {
     risk: Option<FleetRisk>,
     /// Null without a forecast.
     remaining_life: Option<FleetLife>,
+    /// Its alerts that are not cleared.
+    alerts_open: u64,
     /// Why something is missing, or what to know of it.
     reasons: Vec<String>,
 }
@@ -166,6 +168,7 @@ impl FleetItem {
             newest: row.newest.map(Newest::from),
             risk,
             remaining_life: forecast,
+            alerts_open: row.alerts_open,
             reasons,
         })
     }

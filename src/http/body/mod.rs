@@ -3,6 +3,7 @@
 
 pub mod accepted;
 pub mod actuator;
+pub mod alert;
 pub mod baseline;
 pub mod check;
 pub mod estimation;
@@ -13,3 +14,4 @@ pub mod parameter_set;
 pub mod simulation;
 pub mod trace;
 pub mod upload;
+pub mod webhook;

@@ -9,6 +9,8 @@ use tokio::task::{JoinError, spawn_blocking};
 use utoipa::ToSchema;
 
 use super::{Compute, panic_text};
+use crate::jobs::JobSettings;
+use crate::jobs::alerts::{self, AlertSettings, Evidence};
 use crate::models::fault::FDJ_NOMINAL_N;
 use crate::prognostics::{
     BandPoint, Direction, Forecast, Observation, Prognosis, PrognosisError, Question, competing, remaining_life,
@@ -84,13 +86,15 @@ pub struct FaultForecast {
     pub band: Vec<BandPoint>,
 }
 
-/// The stored forecast if it is of the actuator's revision or a later one, else a new one, which is then stored.
+/// The stored forecast if it is of the actuator's revision or a later one, else a new one, which is then stored with the
+/// alerts that it raises and clears.
 pub(in crate::jobs) async fn forecast(
     records: &dyn Records,
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
-    risk_window: f64,
+    settings: &JobSettings,
 ) -> Result<ForecastRecord, StoreError> {
+    let risk_window = settings.risk_window;
     if let Some(stored) = records.forecast(actuator.id).await?
         && stored.revision >= actuator.revision
     {
@@ -98,7 +102,7 @@ pub(in crate::jobs) async fn forecast(
     }
     let unknown = LifeHistory { revision: actuator.revision, ..LifeHistory::default() };
     let history = records.life_history(actuator.id).await?.unwrap_or(unknown);
-    let revision = history.revision;
+    let (revision, evidence) = (history.revision, Evidence::of(&history));
     let known = actuator.clone();
     let life = match spawn_blocking(move || compute.predict(&known, &history, risk_window)).await {
         Ok(life) => life,
@@ -110,17 +114,21 @@ pub(in crate::jobs) async fn forecast(
         risk: life.risk.map(|risk| risk.probability),
         median_remaining: life.forecast.as_ref().and_then(|timed| timed.forecast.quantiles.q50),
         document: serde_json::to_value(&life).expect("a forecast's fields have names"),
-        basis: basis(risk_window),
+        basis: basis(settings),
         created_at: records::now(),
     };
     // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
-    records.store_forecast(&forecast).await?;
+    let open = records.open_alerts(actuator.id).await?;
+    let changes = alerts::changes(actuator, &life, &evidence, &open, &settings.alerts, forecast.created_at);
+    records.store_forecast_and_alerts(&forecast, &changes).await?;
     Ok(forecast)
 }
 
 /// What a forecast rests on besides the history: when it changes, stored forecasts are made again.
-pub(in crate::jobs) fn basis(risk_window: f64) -> String {
-    format!("elevon {}, risk within {risk_window}", crate::VERSION)
+pub(in crate::jobs) fn basis(settings: &JobSettings) -> String {
+    let AlertSettings { risk_raise, risk_clear, threshold_clear } = settings.alerts;
+    let alerts = format!("alerts from {risk_raise} to {risk_clear} and {threshold_clear}");
+    format!("elevon {}, risk within {}, {alerts}", crate::VERSION, settings.risk_window)
 }
 
 /// What is served of an actuator whose forecast panicked, so that the rest of the fleet is not lost with it.
