@@ -4,7 +4,8 @@ use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 use jiff::Timestamp;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de};
+use serde_json::Value;
 use utoipa::ToSchema;
 
 use super::check::FieldErrors;
@@ -26,6 +27,7 @@ pub struct NewWebhook {
     /// What deliveries are signed with, visible ASCII; after `whsec_`, the key in base64. Made by the service unless given, and
     /// shown only then, only here.
     #[schema(min_length = 16, max_length = 256)]
+    #[serde(default, deserialize_with = "secret")]
     secret: Option<String>,
     /// The kinds of alerts that it is told of; all unless told.
     kinds: Option<Vec<AlertKind>>,
@@ -43,6 +45,7 @@ pub struct WebhookPatch {
     url: Option<String>,
     /// What deliveries are signed with, from the next attempt on.
     #[schema(min_length = 16, max_length = 256)]
+    #[serde(default, deserialize_with = "secret")]
     secret: Option<String>,
     /// The kinds of alerts that it is told of.
     kinds: Option<Vec<AlertKind>>,
@@ -105,6 +108,15 @@ impl WebhookPatch {
             enabled: self.enabled,
         };
         errors.pass(change)
+    }
+}
+
+/// A secret or null. What is of another type is refused without repeating it.
+fn secret<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<String>, D::Error> {
+    match Value::deserialize(deserializer)? {
+        Value::Null => Ok(None),
+        Value::String(text) => Ok(Some(text)),
+        _ => Err(de::Error::custom("found no string, expected one")),
     }
 }
 
