@@ -9,6 +9,9 @@ use crate::store::LifeHistory;
 use crate::store::alerts::{Alert, AlertChange, AlertFault, AlertKind, Cause, ClearedBecause, NewAlert};
 use crate::store::records::{Actuator, HealthRecord, Id, UsageUnit};
 
+/// The fewest traces of a life on which a risk is raised: after one, the rate of growth is the prior's alone.
+const RISK_TRACES_MIN: usize = 2;
+
 /// When alerts are raised and cleared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AlertSettings {
@@ -46,6 +49,8 @@ pub struct Evidence {
     pub fdj_n: Option<Newest>,
     /// The newest trace that determined one of them.
     pub trace_id: Option<Id>,
+    /// How many traces determined one of them.
+    pub traces: usize,
 }
 
 impl Evidence {
@@ -63,6 +68,7 @@ impl Evidence {
             kgm: newest(|record| (record.kgm, record.kgm_std)),
             fdj_n: newest(|record| (record.fdj_n, record.fdj_n_std)),
             trace_id: history.records.iter().rev().find(determined).map(|record| record.trace_id),
+            traces: history.records.iter().filter(determined).count(),
         }
     }
 }
@@ -91,6 +97,8 @@ pub struct SoonRisk {
     pub within: f64,
     /// The newest trace that it rests on.
     pub trace_id: Option<Id>,
+    /// How many traces it rests on.
+    pub traces: usize,
 }
 
 /// What a forecast says that alerts are decided on. What it does not say changes nothing.
@@ -113,8 +121,12 @@ impl Summary {
         let kgm = level(AlertFault::Kgm, 0.0, &life.faults.kgm, evidence.kgm);
         let fdj_n = level(AlertFault::FdjN, FDJ_NOMINAL_N, &life.faults.fdj_n, evidence.fdj_n);
         let told = life.risk.filter(|risk| risk.probability.is_finite());
-        let risk =
-            told.map(|risk| SoonRisk { risk: risk.probability, within: risk.within, trace_id: evidence.trace_id });
+        let risk = told.map(|risk| SoonRisk {
+            risk: risk.probability,
+            within: risk.within,
+            trace_id: evidence.trace_id,
+            traces: evidence.traces,
+        });
         Self { levels: kgm.into_iter().chain(fdj_n).collect(), risk }
     }
 }
@@ -156,9 +168,9 @@ fn decide_level(open: Option<&Alert>, level: &Level, threshold_clear: f64) -> Op
 }
 
 fn decide_risk(open: Option<&Alert>, told: SoonRisk, settings: &AlertSettings) -> Option<Decision> {
-    let SoonRisk { risk, within, trace_id } = told;
+    let SoonRisk { risk, within, trace_id, traces } = told;
     match open {
-        None if risk >= settings.risk_raise => {
+        None if risk >= settings.risk_raise && traces >= RISK_TRACES_MIN => {
             Some(Decision::Raise(Cause::Risk { risk, limit: settings.risk_raise, within, trace_id }))
         }
         Some(alert) if risk < settings.risk_clear => Some(Decision::Clear(alert.id, ClearedBecause::RiskFell)),
@@ -247,7 +259,7 @@ mod tests {
     }
 
     fn risk(risk: f64) -> Summary {
-        Summary { levels: Vec::new(), risk: Some(SoonRisk { risk, within: 100.0, trace_id: None }) }
+        Summary { levels: Vec::new(), risk: Some(SoonRisk { risk, within: 100.0, trace_id: None, traces: 2 }) }
     }
 
     fn raised(cause: Cause) -> Alert {
@@ -313,6 +325,14 @@ mod tests {
         assert_eq!(course(around(0.10)), format!(".+{}", ".".repeat(48)));
         let course = course([risk(0.2)].into_iter().chain(around(0.05)));
         assert_eq!(course, format!("+-{}", ".".repeat(49)));
+    }
+
+    #[test]
+    fn one_trace_alone_raises_no_risk() {
+        let mut summary = risk(0.5);
+        summary.risk.as_mut().unwrap().traces = 1;
+        assert_eq!(decide(&[], &summary, &SETTINGS), []);
+        assert_eq!(decide(&[], &risk(0.5), &SETTINGS).len(), 1);
     }
 
     #[test]

@@ -15,15 +15,19 @@ pub async fn worn(service: &Service, serial_number: &str, kgm: &[f64]) -> String
 
 /// Estimates of KGM on the days from `day` on, and the forecast that follows.
 pub async fn estimated(service: &Service, actuator: &str, day: usize, kgm: &[f64]) {
-    let database = service.database().await;
-    for (day, kgm) in (day..).zip(kgm) {
-        let path =
-            format!("/v1/actuators/{actuator}/traces?recorded_at=2026-03-{day:02}T12:00:00Z&usage={}", 100 * day);
+    let mut traces = Vec::new();
+    for (day, _) in (day..).zip(kgm) {
+        let usage = 100 * day;
+        let path = format!("/v1/actuators/{actuator}/traces?recorded_at=2026-03-{day:02}T12:00:00Z&usage={usage}");
         let answer = service.post(&path, Some("text/csv"), still_csv()).await.expect(StatusCode::ACCEPTED);
-        service.work().await;
+        traces.push(answer.text("/trace/id"));
+    }
+    service.work().await;
+    let database = service.database().await;
+    for (trace, kgm) in traces.iter().zip(kgm) {
         let query =
             sqlx::query("UPDATE health SET kgm = ?1, kgm_std = 0.01, verdict = 'conclusive' WHERE trace_id = ?2");
-        query.bind(kgm).bind(answer.text("/trace/id")).execute(&database).await.unwrap();
+        query.bind(kgm).bind(trace).execute(&database).await.unwrap();
     }
     let query = sqlx::query("UPDATE actuators SET revision = revision + 1 WHERE id = ?1").bind(actuator);
     query.execute(&database).await.unwrap();

@@ -50,7 +50,9 @@ impl Stage {
         let told = Told::default();
         let bench = Bench::open(dir, driven(), told.clone()).await;
         let actuator = registered(&*bench.records, "A").await.id;
-        Self { bench, told, actuator, second: 0 }
+        let mut stage = Self { bench, told, actuator, second: 0 };
+        stage.estimate(0.1, 0.0, false).await;
+        stage
     }
 
     /// A new estimate of KGM, and a forecast that says this of it.
@@ -92,7 +94,7 @@ async fn a_risk_that_swings_makes_one_alert_and_one_notification_for_each_true_c
     let alert = alerts(&*stage.bench.records).await;
     assert_eq!(alert.len(), 1);
     assert_eq!((alert[0].risk, alert[0].limit, alert[0].within), (Some(0.12), Some(0.1), Some(100.0)));
-    assert_eq!((alert[0].usage, alert[0].cleared_because), (60.0, Some(ClearedBecause::RiskFell)));
+    assert_eq!((alert[0].usage, alert[0].cleared_because), (70.0, Some(ClearedBecause::RiskFell)));
     assert_eq!(told(&*stage.bench.records, webhook).await, [Event::Cleared, Event::Raised]);
 }
 
@@ -150,7 +152,7 @@ async fn maintenance_clears_and_the_new_life_is_judged_by_its_own_estimates() {
     stage.estimate(0.41, 0.9, true).await;
     let former = alerts(&*stage.bench.records).await;
     stage.bench.records.acknowledge_alert(former[0].id, "ordered", former[0].raised_at).await.unwrap();
-    maintained(&*stage.bench.records, stage.actuator, MaintenanceKind::Replaced, 15).await;
+    maintained(&*stage.bench.records, stage.actuator, MaintenanceKind::Replaced, 25).await;
     let cleared = stage.bench.records.alerts(Some(AlertState::Cleared), None, &all()).await.unwrap().items;
     assert_eq!(cleared.len(), 2);
     assert!(cleared.iter().all(|alert| alert.cleared_because == Some(ClearedBecause::Maintenance)), "{cleared:?}");
