@@ -13,9 +13,10 @@ use thiserror::Error;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 
-use crate::config::{Config, ThresholdsConfig};
+use crate::config::{Config, ThresholdsConfig, WebhooksConfig};
 use crate::http::limits::Limits;
 use crate::http::{self, App};
+use crate::jobs::alerts::AlertSettings;
 use crate::jobs::dispatch::InProcess;
 use crate::jobs::{JobSettings, Jobs, sets};
 use crate::store::local::{LocalTraces, create_durably};
@@ -23,6 +24,7 @@ use crate::store::records::Thresholds;
 use crate::store::sqlite::SqliteRecords;
 use crate::store::{Records, StoreError, Traces};
 use crate::telemetry;
+use crate::webhooks::sender::{Sender, SenderSettings};
 
 /// The file in the data folder that is locked while a process works in it.
 const LOCK_FILE: &str = "lock";
@@ -34,6 +36,7 @@ const UPKEEP_EVERY: Duration = Duration::from_secs(5);
 /// than the 10 s after which whoever stopped it may kill it.
 const CONNECTIONS_STOP: Duration = Duration::from_secs(4);
 const JOBS_STOP: Duration = Duration::from_secs(4);
+const SENDER_STOP: Duration = Duration::from_secs(1);
 const STORE_STOP: Duration = Duration::from_secs(1);
 
 /// Why the service could not start or go on.
@@ -81,6 +84,7 @@ pub struct Application {
     address: SocketAddr,
     router: Router,
     jobs: Jobs,
+    sender: Sender,
     records: SqliteRecords,
     /// Unlocked by the kernel when the process ends, however it ends.
     _lock: File,
@@ -106,7 +110,8 @@ impl Application {
         sets::keep_built_in(&records).await?;
         let app = app(config, &records, LocalTraces::open(&data.join(TRACES_DIR))?);
         let jobs = app.jobs.clone();
-        Ok(Self { listener, address, router: http::router::router(app), jobs, records, _lock: lock })
+        let sender = Sender::new(Arc::clone(&app.records), sender_settings(&config.webhooks));
+        Ok(Self { listener, address, router: http::router::router(app), jobs, sender, records, _lock: lock })
     }
 
     /// The address that the service listens on, its port never 0.
@@ -126,6 +131,12 @@ impl Application {
         &self.jobs
     }
 
+    /// What sends the outbox, for callers within the process.
+    #[must_use]
+    pub fn sender(&self) -> &Sender {
+        &self.sender
+    }
+
     /// Serves until `shutdown` is there, then takes no more connections, finishes the requests that were begun, and
     /// stops the jobs; what ran goes back to the queue.
     ///
@@ -133,6 +144,7 @@ impl Application {
     /// The store fails at the start, or the listener fails.
     pub async fn run(self, shutdown: impl Future<Output = ()> + Send + 'static) -> Result<(), AppError> {
         self.jobs.start().await?;
+        self.sender.start();
         let stopping = CancellationToken::new();
         let signalled = stopping.clone();
         tokio::spawn(async move {
@@ -151,7 +163,7 @@ impl Application {
             () = overdue(stopping) => Ok(()),
         };
         upkeep.abort();
-        self.jobs.stop().await;
+        tokio::join!(self.jobs.stop(), self.sender.stop());
         if tokio::time::timeout(STORE_STOP, self.records.close()).await.is_err() {
             tracing::warn!("the database is still in use; the service stops all the same");
         }
@@ -171,12 +183,30 @@ fn app(config: &Config, records: &SqliteRecords, traces: LocalTraces) -> App {
         stop_limit: JOBS_STOP,
         risk_window: config.prognostics.risk_window,
         act_at_risk: config.prognostics.act_at_risk,
+        alerts: AlertSettings {
+            risk_raise: config.alerts.risk_raise,
+            risk_clear: config.alerts.risk_clear,
+            threshold_clear: config.alerts.threshold_clear,
+        },
     };
     let jobs = Jobs::new(Arc::clone(&records), Arc::clone(&traces), Arc::new(InProcess::default()), settings);
     let baseline_traces = config.prognostics.baseline_traces;
     let ThresholdsConfig { kgm, fdj_n } = config.prognostics.thresholds;
     let (thresholds, limits) = (Thresholds { kgm, fdj_n }, Limits::from(&config.http));
     App { records, traces, jobs, baseline_traces, thresholds, limits }
+}
+
+fn sender_settings(config: &WebhooksConfig) -> SenderSettings {
+    SenderSettings {
+        timeout: Duration::from_secs_f64(config.timeout_s),
+        retry_first: Duration::from_secs_f64(config.retry_first_s),
+        retry_max: Duration::from_secs_f64(config.retry_max_s),
+        attempts_max: config.attempts_max,
+        age_max: Duration::from_secs_f64(config.age_max_s),
+        poll: Duration::from_secs_f64(config.poll_s),
+        keep: Duration::from_secs_f64(config.keep_s),
+        stop_limit: SENDER_STOP,
+    }
 }
 
 /// Creates the data folder where it is missing, and takes it for this process.

@@ -24,6 +24,10 @@ pub struct Config {
     pub store: StoreConfig,
     /// Forecasts and baselines.
     pub prognostics: PrognosticsConfig,
+    /// When alerts are raised and cleared.
+    pub alerts: AlertsConfig,
+    /// How alerts are sent to webhooks.
+    pub webhooks: WebhooksConfig,
     /// What is logged.
     pub log: LogConfig,
 }
@@ -136,6 +140,58 @@ impl Default for ThresholdsConfig {
     }
 }
 
+/// When alerts are raised and cleared.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AlertsConfig {
+    /// The probability of a failure within the risk window from which an alert is raised, 0.001 to 1.
+    pub risk_raise: f64,
+    /// The probability below which it is cleared, 0 to `risk_raise`.
+    pub risk_clear: f64,
+    /// The part of the way from healthy to the threshold below which a fault's level clears its alert, 0.1 to 1.
+    pub threshold_clear: f64,
+}
+
+impl Default for AlertsConfig {
+    fn default() -> Self {
+        Self { risk_raise: 0.10, risk_clear: 0.05, threshold_clear: 0.9 }
+    }
+}
+
+/// How alerts are sent to webhooks.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WebhooksConfig {
+    /// The longest time from the connection to the answer, s, 0.01 to 60.
+    pub timeout_s: f64,
+    /// The longest wait after the first failed attempt, s, 0.01 to 3600; each one after it is five times as long.
+    pub retry_first_s: f64,
+    /// The longest wait between two attempts, s, `retry_first_s` to 86 400.
+    pub retry_max_s: f64,
+    /// The attempts after which a delivery is given up, 1 to 1000.
+    pub attempts_max: u32,
+    /// The age at which a delivery is given up, s, 0 to 31 536 000.
+    pub age_max_s: f64,
+    /// How often the outbox is looked into, s, 0.01 to 60.
+    pub poll_s: f64,
+    /// How long deliveries that are over are listed, s, 60 to 315 360 000.
+    pub keep_s: f64,
+}
+
+impl Default for WebhooksConfig {
+    fn default() -> Self {
+        Self {
+            timeout_s: 10.0,
+            retry_first_s: 5.0,
+            retry_max_s: 3600.0,
+            attempts_max: 100,
+            age_max_s: 259_200.0,
+            poll_s: 1.0,
+            keep_s: 2_592_000.0,
+        }
+    }
+}
+
 /// What is logged, to standard error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -223,6 +279,16 @@ impl Config {
             ("prognostics.baseline_traces", self.prognostics.baseline_traces as f64, 1.0, 100.0),
             ("prognostics.thresholds.kgm", self.prognostics.thresholds.kgm, 0.01, 1.0),
             ("prognostics.thresholds.fdj_n", self.prognostics.thresholds.fdj_n, 210.0, 2000.0),
+            ("alerts.risk_raise", self.alerts.risk_raise, 0.001, 1.0),
+            ("alerts.risk_clear", self.alerts.risk_clear, 0.0, self.alerts.risk_raise),
+            ("alerts.threshold_clear", self.alerts.threshold_clear, 0.1, 1.0),
+            ("webhooks.timeout_s", self.webhooks.timeout_s, 0.01, 60.0),
+            ("webhooks.retry_first_s", self.webhooks.retry_first_s, 0.01, 3600.0),
+            ("webhooks.retry_max_s", self.webhooks.retry_max_s, self.webhooks.retry_first_s, 86_400.0),
+            ("webhooks.attempts_max", f64::from(self.webhooks.attempts_max), 1.0, 1000.0),
+            ("webhooks.age_max_s", self.webhooks.age_max_s, 0.0, 31_536_000.0),
+            ("webhooks.poll_s", self.webhooks.poll_s, 0.01, 60.0),
+            ("webhooks.keep_s", self.webhooks.keep_s, 60.0, 315_360_000.0),
         ];
         ranges
             .into_iter()
@@ -327,6 +393,13 @@ mod tests {
         assert_eq!(key_of("HTTP_BODY_LIMIT_BYTES"), "http.body_limit_bytes");
         assert_eq!(key_of("PROGNOSTICS_THRESHOLDS_FDJ_N"), "prognostics.thresholds.fdj_n");
         assert_eq!(key_of("PROGNOSTICS_RISK_WINDOW"), "prognostics.risk_window");
+    }
+
+    #[test]
+    fn an_alert_is_cleared_no_higher_than_it_is_raised() {
+        let error = from_toml("[alerts]\nrisk_raise = 0.2\nrisk_clear = 0.3").unwrap_err();
+        assert!(error.contains("alerts.risk_clear: found 0.3, expected 0 to 0.2"), "{error}");
+        assert!(from_toml("[alerts]\nrisk_clear = nan").is_err());
     }
 
     #[test]

@@ -3,7 +3,7 @@
 //! A trace goes in (command, servovalve current, load pressure), the faults that grow in the actuator and its
 //! remaining useful life come out. The layers, from the inside out: [`numeric`] and [`units`]; [`models`] of the
 //! actuator; [`optimiser`], [`estimation`] and [`characterisation`]; [`prognostics`]; [`reproduction`] of the thesis;
-//! [`formats`]; [`store`], [`jobs`], [`http`] and the commands in [`cli`]. Dependencies point inward only
+//! [`formats`]; [`store`], [`jobs`], [`webhooks`], [`http`] and the commands in [`cli`]. Dependencies point inward only
 //! (`docs/architecture.md`).
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a test that cannot go on should panic"))]
 
@@ -23,6 +23,7 @@ pub mod reproduction;
 pub mod store;
 pub mod telemetry;
 pub mod units;
+pub mod webhooks;
 
 /// The version that made a result; it travels with every result.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -12,6 +12,7 @@ use super::limits::{ERRORS_MAX, RETRY_AFTER_S};
 use super::problem::{FieldError, Problem};
 use crate::jobs::text::causes;
 use crate::store::StoreError;
+use crate::store::alerts::AlertState;
 use crate::store::records::JobState;
 
 /// Why a request is not answered as it was meant. [`IntoResponse`] makes it a problem document.
@@ -116,6 +117,23 @@ pub enum ApiError {
         /// How it ended.
         state: JobState,
     },
+    /// The alert has been acknowledged with another note or is cleared.
+    #[error("the alert is {} already and cannot be acknowledged again", state.name())]
+    AlertOver {
+        /// Its state.
+        state: AlertState,
+    },
+    /// Nothing is sent to a webhook that is disabled.
+    #[error("the webhook is disabled, and nothing is sent to it")]
+    WebhookDisabled,
+    /// As many records of a kind are kept as may be.
+    #[error("there are as many {what} as may be: {limit}; delete one first")]
+    TooMany {
+        /// The kind of record.
+        what: &'static str,
+        /// The most that may be kept.
+        limit: u32,
+    },
     /// As many jobs wait as may wait.
     #[error("{queued} jobs are waiting and {limit} may; try again in {RETRY_AFTER_S} s")]
     QueueFull {
@@ -182,6 +200,9 @@ impl ApiError {
             Self::Taken { .. } => (StatusCode::CONFLICT, "taken", "Value taken"),
             Self::Reserved { .. } => (StatusCode::CONFLICT, "reserved", "Value reserved"),
             Self::JobOver { .. } => (StatusCode::CONFLICT, "job-over", "Job over"),
+            Self::AlertOver { .. } => (StatusCode::CONFLICT, "alert-over", "Alert acknowledged or cleared"),
+            Self::WebhookDisabled => (StatusCode::CONFLICT, "webhook-disabled", "Webhook disabled"),
+            Self::TooMany { .. } => (StatusCode::CONFLICT, "too-many", "Too many records"),
             Self::QueueFull { .. } => (StatusCode::SERVICE_UNAVAILABLE, "queue-full", "Queue full"),
             Self::StoreBusy(_) => (StatusCode::SERVICE_UNAVAILABLE, "store-busy", "Store busy or full"),
             Self::NotReady(_) => (StatusCode::SERVICE_UNAVAILABLE, "not-ready", "Not ready"),
@@ -241,6 +262,7 @@ impl From<StoreError> for ApiError {
     fn from(error: StoreError) -> Self {
         match error {
             StoreError::Conflict { field, value } => Self::Taken { field, value },
+            StoreError::TooMany { what, limit } => Self::TooMany { what, limit },
             StoreError::QueueFull { queued, limit } => Self::QueueFull { queued, limit },
             StoreError::Cursor { found } => {
                 let detail = format!("found {found:?}, expected the next_cursor of a page of this list");

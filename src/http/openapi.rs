@@ -29,6 +29,8 @@ use super::router;
         (name = "parameter sets", description = "Actuator types: the parameters of the models, built in or a user's own"),
         (name = "traces", description = "What was recorded on an actuator, or simulated"),
         (name = "jobs", description = "Estimations and simulations: queued, running, over"),
+        (name = "alerts", description = "What was noticed of an actuator, and what became of it"),
+        (name = "webhooks", description = "Where alerts are sent to"),
         (name = "service", description = "The service itself")
     )
 )]

@@ -47,6 +47,8 @@ fn documented() -> OpenApiRouter<App> {
         .merge(routes::jobs::routes())
         .merge(routes::health::routes())
         .merge(routes::maintenance::routes())
+        .merge(routes::alerts::routes())
+        .merge(routes::webhooks::routes())
         .merge(routes::service::routes())
         .merge(routes::specification::routes())
         .merge(routes::dashboard::routes())

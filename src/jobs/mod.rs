@@ -3,6 +3,7 @@
 //! A job's row in the store is the truth. The dispatch only wakes a worker, which then claims the row; whatever it finds
 //! counts only if its attempt still runs.
 
+pub mod alerts;
 pub mod baselines;
 pub mod dispatch;
 pub mod kind;
@@ -25,6 +26,7 @@ use tokio_util::task::TaskTracker;
 
 use crate::store::records::{self, Actuator, ForecastRecord, Id, Job, JobState, NewJob, TraceRecord};
 use crate::store::{Records, StoreError, Traces};
+use alerts::AlertSettings;
 use dispatch::Dispatch;
 use kind::JobSpec;
 use run::predict::RiskQuestion;
@@ -50,6 +52,8 @@ pub struct JobSettings {
     pub risk_window: f64,
     /// The probability of a failure at which to act, above 0 and below 1.
     pub act_at_risk: f64,
+    /// When alerts are raised and cleared.
+    pub alerts: AlertSettings,
 }
 
 impl Default for JobSettings {
@@ -62,6 +66,7 @@ impl Default for JobSettings {
             stop_limit: Duration::from_secs(10),
             risk_window: 100.0,
             act_at_risk: 0.05,
+            alerts: AlertSettings::default(),
         }
     }
 }
@@ -119,7 +124,7 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn start(&self) -> Result<(), StoreError> {
-        self.records.expire_forecasts(&predict::basis(&self.settings.asked())).await?;
+        self.records.expire_forecasts(&predict::basis(&self.settings)).await?;
         for id in self.records.recover_jobs(self.settings.attempts_max, records::now()).await? {
             self.dispatch.publish(id).await;
         }
@@ -213,7 +218,7 @@ impl Jobs {
     /// # Errors
     /// The store fails.
     pub async fn forecast(&self, actuator: &Actuator) -> Result<ForecastRecord, StoreError> {
-        predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, &self.settings.asked()).await
+        predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, &self.settings).await
     }
 
     /// The remaining life of an actuator as it is served, with the risk within other usage ahead and at another risk to act
@@ -241,7 +246,7 @@ impl Jobs {
     /// Gives a trace, recorded at a time, its step of its actuator's trend, unless it has one.
     async fn fill_trend(&self, actuator: &Actuator, trace: (Id, Timestamp)) -> Result<(), StoreError> {
         let (records, compute) = (self.records.as_ref(), self.compute.clone());
-        predict::fill_trend(records, compute, actuator, trace, &self.settings.asked()).await
+        predict::fill_trend(records, compute, actuator, trace, &self.settings).await
     }
 
     /// Brings every forecast up to date, for a list of the whole fleet. Callers take turns: who waited finds it done.

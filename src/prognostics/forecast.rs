@@ -8,7 +8,7 @@ use super::fleet::LifeEvidence;
 use super::life::{self, Life};
 
 /// Nodes of the survival function, denser near now.
-const NODES: usize = 40;
+const NODES: usize = 32;
 
 /// How near a quantile that is asked for comes, as a share of it.
 const QUANTILE_TOLERANCE: f64 = 1e-6;
@@ -196,11 +196,12 @@ mod tests {
         let question = Question {
             threshold: 1.0,
             direction,
-            healthy: 0.0,
+            healthy: Some(0.0),
             at: 100.0,
             life_start: None,
             horizon: None,
             risk_window: 10.0,
+            prior: crate::prognostics::LifePrior::Watched,
         };
         remaining_life(&history, &question).unwrap()
     }

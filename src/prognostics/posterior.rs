@@ -38,7 +38,7 @@ const LIFE: (f64, f64) = (0.05, 1e3);
 /// What lies this far below the best in log-likelihood is left out.
 const DROP: f64 = 9.0;
 /// How many paths stand for the posterior.
-const PATHS: usize = 256;
+const PATHS: usize = 192;
 /// The prior of the level at the start of the life, threshold distances: its standard deviation where the healthy level is
 /// known and where it is taken from the history.
 const START_KNOWN: f64 = 0.1;

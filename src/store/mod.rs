@@ -1,9 +1,11 @@
 //! What is kept: records and traces, each behind one small trait, so that the engine is chosen once, at the start.
 
+pub mod alerts;
 mod cursor;
 pub mod local;
 pub mod records;
 pub mod sqlite;
+pub mod webhooks;
 
 use std::io;
 
@@ -11,10 +13,12 @@ use async_trait::async_trait;
 use jiff::Timestamp;
 use thiserror::Error;
 
+use alerts::{Alert, AlertChange, AlertState};
 use records::{
     Actuator, ActuatorUpdate, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome,
     ParameterSetRecord, TraceRecord, TrendRecord,
 };
+use webhooks::{Attempt, Delivery, DueDelivery, Secret, Webhook, WebhookChange};
 
 /// Why the store could not do what was asked.
 #[derive(Debug, Error)]
@@ -34,6 +38,14 @@ pub enum StoreError {
         queued: u64,
         /// The most that may wait.
         limit: u64,
+    },
+    /// As many records of a kind are kept as may be.
+    #[error("there are as many {what} as may be: {limit}")]
+    TooMany {
+        /// The kind of record.
+        what: &'static str,
+        /// The most that may be kept.
+        limit: u32,
     },
     /// A cursor that this list did not make.
     #[error("cursor: found {found:?}, expected the next_cursor of a page of this list")]
@@ -131,6 +143,8 @@ pub struct FleetRow {
     pub newest: Option<HealthRecord>,
     /// Its stored forecast, possibly of an older revision.
     pub forecast: Option<ForecastRecord>,
+    /// Its alerts that are not cleared.
+    pub alerts_open: u64,
 }
 
 /// Where records are kept. What a method acknowledged survives a kill and a loss of power.
@@ -220,7 +234,17 @@ pub trait Records: Send + Sync {
     async fn forecast(&self, actuator: Id) -> Result<Option<ForecastRecord>, StoreError>;
     /// Keeps a forecast, and with it the step of the trend that it makes, if the actuator still is at the revision that it was
     /// made from; `false`, and nothing kept, otherwise. A step of the same life and newest trace is replaced, others stay.
-    async fn store_forecast(&self, forecast: &ForecastRecord, step: Option<&TrendRecord>) -> Result<bool, StoreError>;
+    async fn store_forecast(&self, forecast: &ForecastRecord, step: Option<&TrendRecord>) -> Result<bool, StoreError> {
+        self.store_forecast_and_alerts(forecast, step, &[]).await
+    }
+    /// The same with what the forecast changes of its actuator's alerts, and what the webhooks are told of that: all in one
+    /// transaction. What is so already is not changed: an alert that is open is not raised again, a cleared one stays cleared.
+    async fn store_forecast_and_alerts(
+        &self,
+        forecast: &ForecastRecord,
+        step: Option<&TrendRecord>,
+        changes: &[AlertChange],
+    ) -> Result<bool, StoreError>;
     /// Keeps a step of the trend unless one of its life and trace is kept already; whether it was kept.
     async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError>;
     /// The trend of an actuator's forecasts, life by life, in each ascending by usage, then by the time at which they were made:
@@ -239,6 +263,42 @@ pub trait Records: Send + Sync {
     /// The fleet, riskiest first: risk falling in whole percents, then median remaining life rising, those without a
     /// forecast last.
     async fn fleet(&self, tail_number: Option<&str>, page: &Page) -> Result<Paged<FleetRow>, StoreError>;
+
+    /// The alerts of an actuator that are not cleared.
+    async fn open_alerts(&self, actuator: Id) -> Result<Vec<Alert>, StoreError>;
+    /// One alert.
+    async fn alert(&self, id: Id) -> Result<Option<Alert>, StoreError>;
+    /// Alerts, newest first: all, those in one state, those of one actuator.
+    async fn alerts(
+        &self,
+        state: Option<AlertState>,
+        actuator: Option<Id>,
+        page: &Page,
+    ) -> Result<Paged<Alert>, StoreError>;
+    /// Acknowledges an alert that is open, tells the webhooks in the same transaction, and returns it as it is now and whether
+    /// this changed it.
+    async fn acknowledge_alert(&self, id: Id, note: &str, now: Timestamp) -> Result<Option<(Alert, bool)>, StoreError>;
+
+    /// Keeps a new webhook with its secret. One more than [`webhooks::WEBHOOKS_MAX`] is [`StoreError::TooMany`].
+    async fn insert_webhook(&self, webhook: &Webhook, secret: &Secret) -> Result<(), StoreError>;
+    /// One webhook.
+    async fn webhook(&self, id: Id) -> Result<Option<Webhook>, StoreError>;
+    /// Webhooks in the order in which they were made.
+    async fn webhooks(&self, page: &Page) -> Result<Paged<Webhook>, StoreError>;
+    /// Changes a webhook and returns it as it is now.
+    async fn change_webhook(&self, id: Id, change: &WebhookChange) -> Result<Option<Webhook>, StoreError>;
+    /// Deletes a webhook, its secret and its deliveries. `false` when there is none.
+    async fn delete_webhook(&self, id: Id) -> Result<bool, StoreError>;
+    /// Queues a delivery that only tries a webhook, or finds the one that waits already.
+    async fn ping_webhook(&self, id: Id, now: Timestamp) -> Result<Option<Delivery>, StoreError>;
+    /// What was and is to be sent to a webhook, newest first.
+    async fn deliveries(&self, webhook: Id, page: &Page) -> Result<Paged<Delivery>, StoreError>;
+    /// Of each enabled webhook, the delivery that has been due for longest, if one is due.
+    async fn due_deliveries(&self, now: Timestamp) -> Result<Vec<DueDelivery>, StoreError>;
+    /// Keeps how an attempt to deliver ended, and what follows. `false` when the delivery does not wait any more.
+    async fn record_attempt(&self, delivery: Id, attempt: &Attempt) -> Result<bool, StoreError>;
+    /// Forgets deliveries that are over and were written before a time; the number of them.
+    async fn forget_deliveries(&self, before: Timestamp) -> Result<u64, StoreError>;
 }
 
 /// Where the bytes of traces are kept.

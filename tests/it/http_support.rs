@@ -9,6 +9,7 @@ use axum::http::{Method, Request, StatusCode};
 use elevon::app::Application;
 use elevon::config::Config;
 use elevon::jobs::Step;
+use elevon::webhooks::sender::Sender;
 use serde_json::{Value, json};
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 use tempfile::TempDir;
@@ -38,9 +39,14 @@ impl Service {
 
     /// The same service after its process ended and started again.
     pub async fn restarted(self) -> Self {
+        self.restarted_with(|_| ()).await
+    }
+
+    /// The same with other settings than the defaults.
+    pub async fn restarted_with(self, change: impl FnOnce(&mut Config)) -> Self {
         let Self { application, data } = self;
         drop(application);
-        Self::over(data, |_| ()).await
+        Self::over(data, change).await
     }
 
     async fn over(data: TempDir, change: impl FnOnce(&mut Config)) -> Self {
@@ -87,6 +93,11 @@ impl Service {
     /// Registers an actuator and returns the path of its uploads, with all that is required.
     pub async fn upload_path(&self) -> String {
         format!("/v1/actuators/{}/traces?{RECORDED}", self.registered("EHA-1").await)
+    }
+
+    /// What sends the outbox.
+    pub fn sender(&self) -> &Sender {
+        self.application.sender()
     }
 
     /// Runs every job that waits.

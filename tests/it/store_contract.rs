@@ -1,5 +1,6 @@
 //! What every store must do, whatever its engine: one body for each promise, run on each engine.
 
+pub mod alerts;
 mod fleet;
 mod history;
 mod parameter_sets;
@@ -7,6 +8,7 @@ mod queue;
 pub mod samples;
 mod traces;
 mod trend;
+pub mod webhooks;
 
 use std::sync::Arc;
 
@@ -85,6 +87,27 @@ macro_rules! records_engine {
                 contract_the_trend_is_sorted_by_life_and_usage_page_by_page,
                 contract_the_trend_is_cut_by_the_time_of_recording,
                 contract_the_steps_of_an_excluded_trace_are_left_out_until_it_is_taken_back,
+            },
+            alerts::{
+                contract_an_alert_comes_back_as_it_was_raised,
+                contract_an_alert_that_is_open_is_not_raised_again,
+                contract_a_forecast_of_an_older_revision_changes_no_alert,
+                contract_an_alert_is_acknowledged_once_and_cleared_once_and_keeps_its_times,
+                contract_a_new_life_clears_the_alerts_of_the_former_one,
+                contract_alerts_are_listed_newest_first_by_state_and_by_actuator,
+                contract_the_fleet_counts_the_alerts_that_are_not_cleared,
+                contract_an_alert_and_what_is_told_of_it_are_one_change,
+            },
+            webhooks::{
+                contract_a_webhook_comes_back_as_it_was_kept_and_as_it_was_changed,
+                contract_webhooks_are_listed_as_they_were_made_and_have_a_limit,
+                contract_only_enabled_webhooks_of_its_kind_are_told_of_an_alert,
+                contract_a_delivery_is_due_until_its_end_is_kept,
+                contract_each_enabled_webhook_has_the_delivery_due_that_waited_longest,
+                contract_a_webhook_whose_receiver_is_gone_is_disabled_and_what_waits_is_given_up,
+                contract_one_ping_waits_at_a_time,
+                contract_a_webhook_that_is_deleted_takes_its_deliveries_along,
+                contract_old_deliveries_that_are_over_are_forgotten,
             },
         ]);
     };

@@ -105,6 +105,13 @@ fn share(probability: f64) -> String {
     }
 }
 
+/// The laws, the most probable first.
+fn laws(answer: &Answer) -> String {
+    let mut laws: Vec<_> = answer.laws.iter().collect();
+    laws.sort_by(|a, b| b.1.total_cmp(a.1));
+    laws.iter().map(|(law, probability)| format!("{law} {:.0} %", 100.0 * **probability)).collect::<Vec<_>>().join(", ")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -118,11 +125,4 @@ mod tests {
             ["0.0 %", "less than 0.1 %", "5.0 %", "more than 99.9 %", "100.0 %"]
         );
     }
-}
-
-/// The laws, the most probable first.
-fn laws(answer: &Answer) -> String {
-    let mut laws: Vec<_> = answer.laws.iter().collect();
-    laws.sort_by(|a, b| b.1.total_cmp(a.1));
-    laws.iter().map(|(law, probability)| format!("{law} {:.0} %", 100.0 * **probability)).collect::<Vec<_>>().join(", ")
 }

@@ -59,6 +59,8 @@ pub struct FleetItem {
     act_by: Option<ActBy>,
     /// Null without a forecast.
     remaining_life: Option<FleetLife>,
+    /// Its alerts that are not cleared.
+    alerts_open: u64,
     /// Why something is missing, or what to know of it.
     reasons: Vec<String>,
 }
@@ -177,6 +179,7 @@ impl FleetItem {
             risk,
             act_by,
             remaining_life: forecast,
+            alerts_open: row.alerts_open,
             reasons,
         })
     }

@@ -3,6 +3,7 @@
 
 pub mod accepted;
 pub mod actuator;
+pub mod alert;
 pub mod baseline;
 pub mod check;
 pub mod estimation;
@@ -14,3 +15,4 @@ pub mod simulation;
 pub mod trace;
 pub mod trend;
 pub mod upload;
+pub mod webhook;

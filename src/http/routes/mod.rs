@@ -1,6 +1,7 @@
 //! The handlers: parse, call, answer.
 
 pub mod actuators;
+pub mod alerts;
 pub mod dashboard;
 pub mod estimations;
 pub mod health;
@@ -11,6 +12,7 @@ pub mod service;
 pub mod simulations;
 pub mod specification;
 pub mod traces;
+pub mod webhooks;
 
 use std::sync::Arc;
 

@@ -11,6 +11,8 @@ use utoipa::ToSchema;
 
 use super::calendar::UseRate;
 use super::{Compute, panic_text, trend};
+use crate::jobs::JobSettings;
+use crate::jobs::alerts::{self, AlertSettings, Evidence};
 use crate::models::fault::FDJ_NOMINAL_N;
 use crate::prognostics::{
     BandPoint, Direction, Forecast, LifePrior, Observation, Prognosis, PrognosisError, Question, competing,
@@ -123,29 +125,30 @@ pub struct FaultForecast {
     pub band: Vec<BandPoint>,
 }
 
-/// The stored forecast if it is of the actuator's revision or a later one, else a new one, which is then stored.
+/// The stored forecast if it is of the actuator's revision or a later one, else a new one, which is then stored with the
+/// alerts that it raises and clears.
 pub(in crate::jobs) async fn forecast(
     records: &dyn Records,
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
-    asked: &RiskQuestion,
+    settings: &JobSettings,
 ) -> Result<ForecastRecord, StoreError> {
     if let Some(stored) = records.forecast(actuator.id).await?
         && stored.revision >= actuator.revision
     {
         return Ok(stored);
     }
-    let (life, history) = made(records, compute, actuator, asked).await?;
+    let (life, history) = made(records, compute, actuator, &settings.asked()).await?;
     let forecast = ForecastRecord {
         actuator_id: actuator.id,
         revision: history.revision,
         risk: life.risk.map(|risk| risk.probability),
         median_remaining: life.forecast.as_ref().and_then(|timed| timed.forecast.quantiles.q50),
         document: document(&life),
-        basis: basis(asked),
+        basis: basis(settings),
         created_at: records::now(),
     };
-    after_forecast(records, &forecast, asked, &life, &history).await?;
+    after_forecast(records, actuator, &forecast, settings, &life, &history).await?;
     Ok(forecast)
 }
 
@@ -184,7 +187,7 @@ pub(in crate::jobs) async fn fill_trend(
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
     (trace, recorded_at): (Id, Timestamp),
-    asked: &RiskQuestion,
+    settings: &JobSettings,
 ) -> Result<(), StoreError> {
     let Some(mut history) = records.life_history(actuator.id).await? else { return Ok(()) };
     if history.records.last().is_some_and(|newest| newest.trace_id == trace) {
@@ -195,8 +198,8 @@ pub(in crate::jobs) async fn fill_trend(
     }
     let Some(place) = history.records.iter().position(|record| record.trace_id == trace) else { return Ok(()) };
     history.records.truncate(place + 1);
-    let (life, history) = computed(compute, actuator, history, asked).await;
-    match trend::step(records::now(), asked, &life, &history) {
+    let (life, history) = computed(compute, actuator, history, &settings.asked()).await;
+    match trend::step(records::now(), settings, &life, &history) {
         Some(step) => records.fill_trend(&step).await.map(drop),
         None => Ok(()),
     }
@@ -207,23 +210,32 @@ pub(in crate::jobs) fn document(life: &RemainingLife) -> serde_json::Value {
     serde_json::to_value(life).expect("a forecast's fields have names")
 }
 
-/// What follows from a new forecast: it is kept, and with it its step of the trend.
+/// What follows from a new forecast: it is kept, and with it its step of the trend and what it changes of the alerts.
 async fn after_forecast(
     records: &dyn Records,
+    actuator: &Actuator,
     forecast: &ForecastRecord,
-    asked: &RiskQuestion,
+    settings: &JobSettings,
     life: &RemainingLife,
     history: &LifeHistory,
 ) -> Result<(), StoreError> {
-    let step = trend::step(forecast.created_at, asked, life, history);
+    let step = trend::step(forecast.created_at, settings, life, history);
+    let open = records.open_alerts(actuator.id).await?;
+    let evidence = Evidence::of(history);
+    let changes = alerts::changes(actuator, life, &evidence, &open, &settings.alerts, forecast.created_at);
     // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
-    records.store_forecast(forecast, step.as_ref()).await.map(drop)
+    records.store_forecast_and_alerts(forecast, step.as_ref(), &changes).await.map(drop)
 }
 
 /// What a forecast rests on besides the history: when it changes, stored forecasts are made again.
-pub(in crate::jobs) fn basis(asked: &RiskQuestion) -> String {
-    let RiskQuestion { risk_window, within, act_at_risk } = asked;
-    format!("elevon {}, risk within {within} of window {risk_window}, act at risk {act_at_risk}", crate::VERSION)
+pub(in crate::jobs) fn basis(settings: &JobSettings) -> String {
+    let RiskQuestion { risk_window, within, act_at_risk } = settings.asked();
+    let AlertSettings { risk_raise, risk_clear, threshold_clear } = settings.alerts;
+    format!(
+        "elevon {}, risk within {within} of window {risk_window}, act at risk {act_at_risk}, alerts from {risk_raise} to \
+         {risk_clear} and {threshold_clear}",
+        crate::VERSION
+    )
 }
 
 /// What is served of an actuator whose forecast panicked, so that the rest of the fleet is not lost with it.

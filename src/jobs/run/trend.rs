@@ -2,8 +2,8 @@
 
 use jiff::{SignedDuration, Timestamp};
 
-use super::predict::{RemainingLife, Risk, RiskQuestion, TimedForecast, basis};
-use crate::jobs::baselines;
+use super::predict::{RemainingLife, Risk, TimedForecast, basis};
+use crate::jobs::{JobSettings, baselines};
 use crate::store::records::{Id, TrendFaults, TrendFigures, TrendRecord};
 use crate::store::{LifeHistory, Page, Paged, Records, StoreError};
 
@@ -14,7 +14,7 @@ const AT_ONCE: u32 = 500;
 /// failed.
 pub(super) fn step(
     made_at: Timestamp,
-    asked: &RiskQuestion,
+    settings: &JobSettings,
     life: &RemainingLife,
     history: &LifeHistory,
 ) -> Option<TrendRecord> {
@@ -28,13 +28,13 @@ pub(super) fn step(
         recorded_at: newest.recorded_at,
         usage: life.usage?,
         made_at,
-        risk_window: asked.within,
+        risk_window: settings.risk_window,
         actuator: figures(life.forecast.as_ref(), life.risk),
         faults: TrendFaults {
             kgm: figures(kgm.forecast.as_ref(), kgm.risk),
             fdj_n: figures(fdj_n.forecast.as_ref(), fdj_n.risk),
         },
-        basis: basis(asked),
+        basis: basis(settings),
         version: life.version.clone(),
     })
 }

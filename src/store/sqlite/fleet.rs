@@ -4,7 +4,8 @@ use sqlx::sqlite::{SqlitePool, SqliteRow};
 use sqlx::{Row as _, ValueRef as _};
 
 use super::row::{Reader, micros};
-use super::{actuators, begin, health, trend};
+use super::{actuators, alerts, begin, health, trend};
+use crate::store::alerts::AlertChange;
 use crate::store::records::{ForecastRecord, HealthRecord, Id, TrendRecord};
 use crate::store::{FleetRow, Page, Paged, StoreError};
 
@@ -17,7 +18,8 @@ macro_rules! fleet {
             h.trace_id, h.job_id, h.recorded_at, h.usage, h.kgm, h.kgm_std, h.fdj_n, h.fdj_n_std, h.faults,
             h.verdict,
             f.actuator_id, a.forecast_revision, a.risk, a.median_remaining, f.document, f.basis, f.created_at,
-            a.risk_order, a.median_order
+            a.risk_order, a.median_order,
+            (SELECT count(*) FROM alerts l WHERE l.actuator_id = a.id AND l.cleared_at IS NULL)
             FROM actuators a
             LEFT JOIN forecasts f ON f.actuator_id = a.id
             LEFT JOIN health h ON h.actuator_id = a.id AND (h.recorded_at, h.trace_id) = (
@@ -53,10 +55,12 @@ pub(super) async fn forecast(readers: &SqlitePool, actuator: Id) -> Result<Optio
     row.as_ref().map(|row| read(row, 0)).transpose()
 }
 
+/// Keeps a forecast with its step of the trend and what it changes of its actuator's alerts, all or nothing.
 pub(super) async fn store_forecast(
     writer: &SqlitePool,
     forecast: &ForecastRecord,
     step: Option<&TrendRecord>,
+    changes: &[AlertChange],
 ) -> Result<bool, StoreError> {
     let mut transaction = begin(writer).await?;
     let ranked = sqlx::query(RANK)
@@ -79,7 +83,9 @@ pub(super) async fn store_forecast(
     if let Some(step) = step {
         trend::keep(&mut transaction, step).await?;
     }
+    let happened = alerts::apply(&mut transaction, forecast.actuator_id, changes).await?;
     transaction.commit().await?;
+    alerts::count(&happened);
     Ok(true)
 }
 
@@ -138,5 +144,6 @@ fn read_row(row: &SqliteRow) -> Result<(FleetRow, (f64, f64)), StoreError> {
     let newest: Option<HealthRecord> = if row.try_get_raw(11)?.is_null() { None } else { Some(health::read(row, 11)?) };
     let forecast = if row.try_get_raw(21)?.is_null() { None } else { Some(read(row, 21)?) };
     let order = (row.try_get(28)?, row.try_get(29)?);
-    Ok((FleetRow { actuator: actuators::read(row)?, newest, forecast }, order))
+    let alerts_open = row.try_get::<i64, _>(30)?.unsigned_abs();
+    Ok((FleetRow { actuator: actuators::read(row)?, newest, forecast, alerts_open }, order))
 }

@@ -4,8 +4,8 @@ use jiff::Timestamp;
 use sqlx::sqlite::{SqlitePool, SqliteRow};
 use sqlx::{Row as _, SqliteConnection};
 
-use super::begin;
 use super::row::{Reader, micros};
+use super::{alerts, begin};
 use crate::estimation::Estimate;
 use crate::store::records::{HealthRecord, Id, Maintenance};
 use crate::store::{LifeHistory, Page, Paged, StoreError};
@@ -125,7 +125,10 @@ pub(super) async fn insert_maintenance(writer: &SqlitePool, event: &Maintenance)
         .bind(event.actuator_id.to_string())
         .execute(&mut *transaction)
         .await?;
-    Ok(transaction.commit().await?)
+    let happened = alerts::clear_former_lives(&mut transaction, event.actuator_id, event.created_at).await?;
+    transaction.commit().await?;
+    alerts::count(&happened);
+    Ok(())
 }
 
 pub(super) async fn maintenance(

@@ -1,6 +1,7 @@
 //! Records in SQLite: one writer, so that no write ever meets another, and several readers beside it.
 
 mod actuators;
+mod alerts;
 #[cfg(test)]
 mod durability;
 mod fleet;
@@ -15,6 +16,7 @@ mod trend;
 #[cfg(test)]
 mod upgrades;
 mod uploads;
+mod webhooks;
 
 use std::path::Path;
 use std::time::Duration;
@@ -25,11 +27,13 @@ use sqlx::migrate::Migrator;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{Connection as _, Sqlite, SqliteConnection, Transaction};
 
+use super::alerts::{Alert, AlertChange, AlertState};
 use super::local::create_durably;
 use super::records::{
     Actuator, ActuatorUpdate, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome,
     ParameterSetRecord, TraceRecord, TrendRecord,
 };
+use super::webhooks::{Attempt, Delivery, DueDelivery, Secret, Webhook, WebhookChange};
 use super::{FleetRow, LifeHistory, Page, Paged, Records, StoreError};
 
 /// The database's file in its folder.
@@ -217,8 +221,13 @@ impl Records for SqliteRecords {
         fleet::forecast(&self.readers, actuator).await
     }
 
-    async fn store_forecast(&self, forecast: &ForecastRecord, step: Option<&TrendRecord>) -> Result<bool, StoreError> {
-        fleet::store_forecast(&self.writer, forecast, step).await
+    async fn store_forecast_and_alerts(
+        &self,
+        forecast: &ForecastRecord,
+        step: Option<&TrendRecord>,
+        changes: &[AlertChange],
+    ) -> Result<bool, StoreError> {
+        fleet::store_forecast(&self.writer, forecast, step, changes).await
     }
 
     async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError> {
@@ -245,5 +254,66 @@ impl Records for SqliteRecords {
 
     async fn fleet(&self, tail_number: Option<&str>, page: &Page) -> Result<Paged<FleetRow>, StoreError> {
         fleet::list(&self.readers, tail_number, page).await
+    }
+
+    async fn open_alerts(&self, actuator: Id) -> Result<Vec<Alert>, StoreError> {
+        alerts::open(&self.readers, actuator).await
+    }
+
+    async fn alert(&self, id: Id) -> Result<Option<Alert>, StoreError> {
+        alerts::one(&self.readers, id).await
+    }
+
+    async fn alerts(
+        &self,
+        state: Option<AlertState>,
+        actuator: Option<Id>,
+        page: &Page,
+    ) -> Result<Paged<Alert>, StoreError> {
+        alerts::list(&self.readers, state, actuator, page).await
+    }
+
+    async fn acknowledge_alert(&self, id: Id, note: &str, now: Timestamp) -> Result<Option<(Alert, bool)>, StoreError> {
+        alerts::acknowledge(&self.writer, id, note, now).await
+    }
+
+    async fn insert_webhook(&self, webhook: &Webhook, secret: &Secret) -> Result<(), StoreError> {
+        webhooks::insert(&self.writer, webhook, secret).await
+    }
+
+    async fn webhook(&self, id: Id) -> Result<Option<Webhook>, StoreError> {
+        webhooks::one(&self.readers, id).await
+    }
+
+    async fn webhooks(&self, page: &Page) -> Result<Paged<Webhook>, StoreError> {
+        webhooks::list(&self.readers, page).await
+    }
+
+    async fn change_webhook(&self, id: Id, change: &WebhookChange) -> Result<Option<Webhook>, StoreError> {
+        webhooks::change(&self.writer, id, change).await
+    }
+
+    async fn delete_webhook(&self, id: Id) -> Result<bool, StoreError> {
+        webhooks::delete(&self.writer, id).await
+    }
+
+    async fn ping_webhook(&self, id: Id, now: Timestamp) -> Result<Option<Delivery>, StoreError> {
+        webhooks::ping(&self.writer, id, now).await
+    }
+
+    async fn deliveries(&self, webhook: Id, page: &Page) -> Result<Paged<Delivery>, StoreError> {
+        webhooks::deliveries(&self.readers, webhook, page).await
+    }
+
+    async fn due_deliveries(&self, now: Timestamp) -> Result<Vec<DueDelivery>, StoreError> {
+        webhooks::due(&self.readers, now).await
+    }
+
+    async fn record_attempt(&self, delivery: Id, attempt: &Attempt) -> Result<bool, StoreError> {
+        webhooks::record(&self.writer, delivery, attempt).await
+    }
+
+    async fn forget_deliveries(&self, before: Timestamp) -> Result<u64, StoreError> {
+        webhooks::forget(&self.writer, before).await
     }
 }

@@ -2,7 +2,7 @@
 
 use sqlx::{AssertSqlSafe, Row as _};
 
-use super::{SqliteRecords, actuators, fleet, health, jobs, parameter_sets, trend};
+use super::{SqliteRecords, actuators, alerts, fleet, health, jobs, parameter_sets, trend, webhooks};
 
 async fn plan(records: &SqliteRecords, sql: &'static str) -> Vec<String> {
     let explain = AssertSqlSafe(format!("EXPLAIN QUERY PLAN {sql}"));
@@ -32,6 +32,18 @@ async fn every_hot_query_searches_an_index_and_sorts_nothing() {
         fleet::FLEET,
         fleet::FLEET_OF_TAIL,
         trend::LIST,
+        alerts::OPEN,
+        alerts::OF_FORMER_LIVES,
+        alerts::LIST,
+        alerts::LIST_IN_STATE,
+        alerts::LIST_OF_ACTUATOR,
+        alerts::LIST_OF_ACTUATOR_IN_STATE,
+        webhooks::LIST,
+        webhooks::WAITING_PING,
+        webhooks::DELIVERIES,
+        webhooks::DUE,
+        webhooks::ABANDON,
+        webhooks::FORGET,
     ];
     for sql in hot {
         let plan = plan(&records, sql).await;

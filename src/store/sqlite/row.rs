@@ -81,6 +81,20 @@ impl<'r> Reader<'r> {
         T::deserialize(text.into_deserializer()).map_err(|error: NameError| self.corrupt(error))
     }
 
+    /// One of an enumeration's names, or null.
+    pub(super) fn name_or_null<T: DeserializeOwned>(&mut self) -> Result<Option<T>, StoreError> {
+        let text: Option<&str> = self.value()?;
+        let read = |text: &'r str| T::deserialize(text.into_deserializer());
+        text.map(read).transpose().map_err(|error: NameError| self.corrupt(error))
+    }
+
+    /// One of an enumeration's names, or nothing where the text is empty.
+    pub(super) fn name_or_empty<T: DeserializeOwned>(&mut self) -> Result<Option<T>, StoreError> {
+        let text: &str = self.value()?;
+        let read = |text: &'r str| T::deserialize(text.into_deserializer());
+        Some(text).filter(|text| !text.is_empty()).map(read).transpose().map_err(|error: NameError| self.corrupt(error))
+    }
+
     /// A JSON document of any form.
     pub(super) fn json(&mut self) -> Result<serde_json::Value, StoreError> {
         self.document()

@@ -6,6 +6,7 @@ use std::path::Path;
 use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 
 use super::{FILE, MIGRATIONS, SqliteRecords};
+use crate::store::alerts::{AlertChange, Cause, NewAlert};
 use crate::store::records::{ForecastRecord, Id, ParameterSetRecord, TrendFaults, TrendRecord, now};
 use crate::store::{Page, Records as _};
 
@@ -61,6 +62,27 @@ async fn estimates_from_before_the_history_had_their_other_faults_bring_them_fro
     let faults: Vec<_> = page.items.into_iter().map(|record| record.faults).collect();
     let first = BTreeMap::from([("clearance_m".to_owned(), Some(2e-6)), ("clogging".to_owned(), None)]);
     assert_eq!(faults, [first, BTreeMap::new(), BTreeMap::new()]);
+}
+
+#[tokio::test]
+async fn a_database_from_before_there_were_alerts_has_none_and_takes_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = older(dir.path(), 4).await;
+    let id = Id::now();
+    insert_actuator(&old, id).await;
+    insert_estimate(&old, id, 7, "{}").await;
+    old.close().await;
+    let records = SqliteRecords::open(dir.path()).await.unwrap();
+    let rows = records.fleet(None, &Page { after: None, limit: 1 }).await.unwrap().items;
+    assert_eq!((rows[0].alerts_open, rows[0].newest.is_some()), (0, true));
+    let cause = Cause::Risk { risk: 0.2, limit: 0.1, within: 100.0, trace_id: None };
+    let alert = NewAlert { id: Id::now(), cause, usage: 1.0, message: "soon".into(), raised_at: now() };
+    let (document, basis) = (serde_json::json!({}), String::new());
+    let (risk, median_remaining, created_at) = (Some(0.2), None, now());
+    let forecast = ForecastRecord { actuator_id: id, revision: 0, risk, median_remaining, document, basis, created_at };
+    let changes = [AlertChange::Raise(Box::new(alert))];
+    assert!(records.store_forecast_and_alerts(&forecast, None, &changes).await.unwrap());
+    assert_eq!(records.open_alerts(id).await.unwrap().len(), 1);
 }
 
 #[tokio::test]

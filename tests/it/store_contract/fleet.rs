@@ -35,6 +35,9 @@ pub async fn contract_a_malformed_cursor_is_refused_by_every_list(records: Arc<d
         records.maintenance(id, &page).await.unwrap_err(),
         records.fleet(None, &page).await.unwrap_err(),
         records.trend(id, None, None, &page).await.unwrap_err(),
+        records.alerts(None, None, &page).await.unwrap_err(),
+        records.webhooks(&page).await.unwrap_err(),
+        records.deliveries(id, &page).await.unwrap_err(),
     ];
     for error in errors {
         assert!(matches!(&error, StoreError::Cursor { found } if found == "no cursor"), "{error}");
