@@ -27,7 +27,11 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
     prognosis.reasons.extend(weakness(&history.points));
     prognosis.reasons.extend(changes.iter().map(told));
     prognosis.changes = changes;
-    let posterior = posterior(&history, &history.points, question);
+    let mut posterior = posterior(&history, &history.points, question);
+    if history.points.len() > 1 && history.points.iter().all(|point| point.value >= 1.0) {
+        prognosis.reasons.push("every observation of this life is past the threshold".to_owned());
+        posterior.paths.iter_mut().for_each(|path| path.level = path.level.max(1.0));
+    }
     let life = Life::new(posterior.paths, history.scale);
     let passed = life.passed(0.0) > 0.5;
     let reached = passed && confirmed(&history, question);
