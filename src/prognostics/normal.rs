@@ -21,6 +21,11 @@ pub(super) fn density(deviate: f64) -> f64 {
     DENSITY_MAX * (-0.5 * deviate * deviate).exp()
 }
 
+/// The logarithm of a normal density of a standard deviation, at a standard deviate.
+pub(super) fn log_density(deviate: f64, deviation: f64) -> f64 {
+    -0.5 * deviate * deviate - deviation.ln() - 0.918_938_533_204_672_8
+}
+
 /// The standard normal distribution function.
 pub(super) fn cumulative(deviate: f64) -> f64 {
     match deviate {

@@ -6,7 +6,7 @@ use super::filter::{Sums, WALKS, filter};
 use super::fleet::LifeEvidence;
 use super::history::Point;
 use super::law::{Law, Shape};
-use super::normal::{deviate, spread};
+use super::normal::{deviate, log_density, spread};
 use super::prior::LifePrior;
 
 /// Bounds of the common noise's standard deviation, threshold distances (chosen: from as good as none to the whole way).
@@ -200,7 +200,7 @@ impl<'a> Grid<'a> {
         shapes.extend((0..n).map(|i| {
             let z = low + (i as f64 + 0.5) * width;
             let exponent = EXPONENT.0 * (EXPONENT.1 * z).exp();
-            (Shape::Power { exponent }, (width * EXPONENT.1).ln() + log_normal(z, EXPONENT.1))
+            (Shape::Power { exponent }, (width * EXPONENT.1).ln() + log_density(z, EXPONENT.1))
         }));
         shapes
     }
@@ -252,16 +252,14 @@ impl<'a> Grid<'a> {
         for life in logarithmic((short, long.max(short * (1.0 + 1e-9))), LIVES) {
             let pace = 1.0 / fit.shape.at(life);
             let (log_likelihood, start, start_variance) = self.given(&fit.sums, pace);
-            let rate = pace * (1.0 - start);
-            if rate <= 0.0 {
-                continue;
-            }
+            // A start at the threshold or beyond still grows, so that every history has a cell.
+            let rate = pace * (1.0 - start).max(WAY_MIN);
             let scatter = fit.walk / rate;
             let life_prior = self.setting.life.log_density(life, self.setting.scale);
             let mut log = log_likelihood + fit.log_prior - best + width.ln() + life_prior;
-            log += log_normal((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
+            log += log_density((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
             if let Shape::Exponential { rate, .. } = fit.shape {
-                log += log_normal((rate * life / RATE.0).ln() / RATE.1, RATE.1);
+                log += log_density((rate * life / RATE.0).ln() / RATE.1, RATE.1);
             }
             let [wy, w1, wg] = fit.sums.walk;
             let by_start = 1.0 - pace * fit.now - w1 + pace * wg;
@@ -283,11 +281,6 @@ impl<'a> Grid<'a> {
             });
         }
     }
-}
-
-/// The logarithm of a normal density at a deviate.
-fn log_normal(deviate: f64, deviation: f64) -> f64 {
-    -0.5 * deviate * deviate - deviation.ln() - 0.918_938_533_204_672_8
 }
 
 /// The midpoints of `n` cells of equal width in logarithm.

@@ -1,6 +1,7 @@
 //! The prior of a life: from the age alone, or from the lives of a fleet.
 
 use super::fleet::Fleet;
+use super::normal::log_density;
 
 /// The median of the life over the age (chosen: the question comes at a moment unrelated to the end, as likely in the first half
 /// of the life as in the second).
@@ -28,15 +29,11 @@ impl LifePrior {
     /// The logarithm of the density of the logarithm of a life of so many scales, each of so much usage.
     pub(super) fn log_density(&self, life: f64, scale: f64) -> f64 {
         match self {
-            Self::Age => normal((life / AGES).ln() / DEVIATION) - DEVIATION.ln(),
+            Self::Age => log_density((life / AGES).ln() / DEVIATION, DEVIATION),
             Self::Watched => watched(life),
             Self::Fleet(fleet) => fleet.log_density(life * scale, watched(life)),
         }
     }
-}
-
-fn normal(deviate: f64) -> f64 {
-    -0.5 * deviate * deviate - 0.918_938_533_204_672_8
 }
 
 fn watched(life: f64) -> f64 {

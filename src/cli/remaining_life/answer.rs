@@ -13,10 +13,6 @@ use crate::prognostics::{Change, Direction, Prognosis, Quantiles};
 
 /// Horizon of a forecast in ages, where none is asked for: as in the prognosis.
 const HORIZON_AGES: f64 = 20.0;
-/// Stretches of the horizon, shorter near now, in which a quantile is looked for first.
-const STRETCHES: usize = 64;
-/// Halvings of a stretch.
-const HALVINGS: usize = 20;
 
 const NONE: Quantiles = Quantiles { q05: None, q10: None, q25: None, q50: None, q75: None, q90: None, q95: None };
 
@@ -126,22 +122,4 @@ fn nothing(args: &RemainingLifeArgs, at: f64) -> Answer {
         act_by: ActBy { risk: args.risk, usage: None },
         reasons: Vec::new(),
     }
-}
-
-/// The remaining life at each of these rising probabilities; none beyond the horizon, and without a forecast.
-pub(super) fn quantiles(prognosis: &Prognosis, probabilities: &[f64]) -> Vec<Option<f64>> {
-    let horizon = prognosis.forecast.as_ref().map_or(0.0, |forecast| forecast.horizon);
-    let failed = |elapsed: f64| prognosis.survival(elapsed).map_or(0.0, |survival| 1.0 - survival);
-    let node = |i: usize| horizon * (i as f64 / STRETCHES as f64).powi(3);
-    let nodes: Vec<(f64, f64)> = (0..=STRETCHES).map(node).map(|elapsed| (elapsed, failed(elapsed))).collect();
-    let quantile = |p: &f64| {
-        let next = nodes.iter().position(|node| node.1 >= *p)?;
-        let (mut low, mut high) = (nodes[next.saturating_sub(1)].0, nodes[next].0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if failed(middle) < *p { low = middle } else { high = middle }
-        }
-        Some(high)
-    };
-    probabilities.iter().map(quantile).collect()
 }

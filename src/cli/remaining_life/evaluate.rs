@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use super::answer::quantiles;
 use super::ask::{Case, refused};
 use super::{RemainingLifeArgs, of_each};
 use crate::cli::Failure;
@@ -86,8 +85,8 @@ fn forecasts(args: &RemainingLifeArgs, case: &Case<'_>) -> Result<Made, Failure>
         let prognosis = case.prognosis(args, at)?;
         let elapsed_s = started.elapsed().as_secs_f64();
         let scored = prognosis.zip(case.start()).and_then(|(prognosis, start)| {
-            let remaining = quantiles(&prognosis, &probabilities).into_iter();
-            Scored::of_sample(start, at, end_of_life, remaining.map(|q| q.unwrap_or(f64::INFINITY)).collect())
+            let remaining = |&p: &f64| prognosis.quantile(p).unwrap_or(f64::INFINITY);
+            Scored::of_sample(start, at, end_of_life, probabilities.iter().map(remaining).collect())
         });
         match scored {
             Some(scored) => {
