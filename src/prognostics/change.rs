@@ -19,7 +19,7 @@ const GAIN_MIN: f64 = 4.6;
 /// A place is looked at where it stands out by this many robust standard deviations.
 const STANDS_OUT: f64 = 3.5;
 /// The variance that a change brings in, squared threshold distances.
-const FREE: f64 = 1.0;
+pub(super) const FREE: f64 = 1.0;
 /// The shapes that smooth growth is judged by.
 const SHAPES: [f64; 2] = [1.0, 2.5];
 /// The walk's variances over one scale, squared threshold distances.

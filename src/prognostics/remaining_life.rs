@@ -1,6 +1,6 @@
 //! The remaining life of one fault.
 
-use super::change::{Change, ChangeKind};
+use super::change::{self, Change, ChangeKind};
 use super::forecast::{self, BandPoint, Prognosis};
 use super::history::{History, Observation, Point, PrognosisError, Question};
 use super::life::Life;
@@ -28,8 +28,9 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
     prognosis.reasons.extend(changes.iter().map(told));
     prognosis.changes = changes;
     let mut posterior = posterior(&history, &history.points, question);
-    if history.points.len() > 1 && history.points.iter().all(|point| point.value >= 1.0) {
-        prognosis.reasons.push("every observation of this life is past the threshold".to_owned());
+    let sound: Vec<&Point> = history.points.iter().filter(|point| point.variance < change::FREE).collect();
+    if sound.len() > 1 && sound.iter().all(|point| point.value >= 1.0) {
+        prognosis.reasons.push("every observation of this life, outliers apart, is past the threshold".to_owned());
         posterior.paths.iter_mut().for_each(|path| path.level = path.level.max(1.0));
     }
     let life = Life::new(posterior.paths, history.scale);

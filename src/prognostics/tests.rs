@@ -304,6 +304,14 @@ fn an_outlier_is_named_and_hardly_moves_the_forecast() {
 }
 
 #[test]
+fn an_outlier_below_the_threshold_does_not_undo_a_history_past_it() {
+    let history = observed((0..8).map(|i| (10.0 * i as f64, if i == 2 { 0.1 } else { 5.0 + 0.01 * (i % 2) as f64 })));
+    let found = forecast(&history, &Question { healthy: None, ..rising(70.0) });
+    assert!(found.reached, "{found:?}");
+    assert_eq!(found.quantiles.q50, Some(0.0));
+}
+
+#[test]
 fn a_step_is_named_with_its_size_and_growth_goes_on_from_there() {
     let with = changed(|i, value| *value += if i >= 25 { 0.2 } else { 0.0 });
     let step = with.changes[0];
