@@ -239,8 +239,8 @@ impl Jobs {
         if asked == own {
             return Ok(self.forecast(actuator).await?.document);
         }
-        let (life, _) = predict::made(self.records.as_ref(), self.compute.clone(), actuator, &asked).await?;
-        Ok(predict::document(&life))
+        let (predicted, _) = predict::made(self.records.as_ref(), self.compute.clone(), actuator, &asked).await?;
+        Ok(predict::document(&predicted.life))
     }
 
     /// Gives a trace, recorded at a time, its step of its actuator's trend, unless it has one.

@@ -6,8 +6,8 @@ use utoipa::ToSchema;
 use super::change::{self, Change, ChangeKind};
 use super::prior::LifePrior;
 
-/// Horizon of a forecast in ages, where the question names none.
-const HORIZON_AGES: f64 = 20.0;
+/// Horizon of a forecast in scales, where the question names none.
+const HORIZON_SCALES: f64 = 20.0;
 /// The least age that the priors take a part for, in risk windows: a part is expected to outlast the time that its users
 /// plan for.
 const AGE_MIN_WINDOWS: f64 = 10.0;
@@ -58,7 +58,7 @@ pub struct Question {
     pub at: f64,
     /// The usage at which this life began; earlier observations are not used. None: the first usage of the history.
     pub life_start: Option<f64>,
-    /// How far the forecast reaches, in usage from `at`. None: 20 times the age.
+    /// How far the forecast reaches, in usage from `at`. None: 20 times the age, but no less than 200 risk windows.
     pub horizon: Option<f64>,
     /// The usage from `at` within which the risk is asked, 0 or more.
     pub risk_window: f64,
@@ -143,8 +143,7 @@ impl History {
             0.0 => 1.0,
             scale => scale,
         };
-        let default_horizon = HORIZON_AGES * if age > 0.0 { age } else { scale };
-        let horizon = question.horizon.unwrap_or(default_horizon);
+        let horizon = question.horizon.unwrap_or(HORIZON_SCALES * scale);
         let used = |o: &&Observation| (start..=question.at).contains(&o.usage);
         let healthy = question.healthy.unwrap_or_else(|| first_level(observations.iter().filter(used), question));
         let distance = question.threshold - healthy;

@@ -7,7 +7,7 @@ use super::fleet::LifeEvidence;
 use super::history::Point;
 use super::law::{Law, Shape};
 use super::normal::{deviate, log_density, spread};
-use super::prior::LifePrior;
+use super::prior::ScaledPrior;
 
 /// Bounds of the common noise's standard deviation, threshold distances (chosen: from as good as none to the whole way).
 const NOISE: (f64, f64) = (3e-4, 1.0);
@@ -70,7 +70,7 @@ pub(super) struct Setting<'a> {
     /// The usage of the question, in scales from the start of the life.
     pub at: f64,
     /// The prior of the life.
-    pub life: &'a LifePrior,
+    pub life: &'a ScaledPrior,
     /// The usage of one scale.
     pub scale: f64,
     /// Whether the healthy level is known.
@@ -255,7 +255,7 @@ impl<'a> Grid<'a> {
             // A start at the threshold or beyond still grows, so that every history has a cell.
             let rate = pace * (1.0 - start).max(WAY_MIN);
             let scatter = fit.walk / rate;
-            let life_prior = self.setting.life.log_density(life, self.setting.scale);
+            let life_prior = self.setting.life.log_density(life);
             let mut log = log_likelihood + fit.log_prior - best + width.ln() + life_prior;
             log += log_density((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
             if let Shape::Exponential { rate, .. } = fit.shape {

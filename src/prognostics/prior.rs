@@ -1,6 +1,6 @@
 //! The prior of a life: from the age alone, or from the lives of a fleet.
 
-use super::fleet::Fleet;
+use super::fleet::{Fleet, FleetPrior};
 use super::normal::log_density;
 
 /// The median of the life over the age (chosen: the question comes at a moment unrelated to the end, as likely in the first half
@@ -26,17 +26,45 @@ pub enum LifePrior {
 }
 
 impl LifePrior {
-    /// The logarithm of the density of the logarithm of a life of so many scales, each of so much usage.
-    pub(super) fn log_density(&self, life: f64, scale: f64) -> f64 {
-        match self {
-            Self::Age => log_density((life / AGES).ln() / DEVIATION, DEVIATION),
-            Self::Watched => watched(life),
-            Self::Fleet(fleet) => fleet.log_density(life * scale, watched(life)),
+    /// The prior of the life of a part with a scale, in usage.
+    pub(super) fn at(&self, scale: f64) -> ScaledPrior {
+        let law = match self {
+            Self::Age => Law::Age,
+            Self::Watched => Law::Watched,
+            Self::Fleet(fleet) => Law::Fleet(fleet.prior(scale)),
+        };
+        ScaledPrior { law, scale }
+    }
+}
+
+/// The prior of the life of one part.
+#[derive(Debug)]
+pub(super) struct ScaledPrior {
+    law: Law,
+    /// The usage of one scale.
+    scale: f64,
+}
+
+#[derive(Debug)]
+enum Law {
+    Age,
+    Watched,
+    Fleet(FleetPrior),
+}
+
+impl ScaledPrior {
+    /// The logarithm of the density of the logarithm of a life of so many scales.
+    pub(super) fn log_density(&self, life: f64) -> f64 {
+        match &self.law {
+            Law::Age => log_density((life / AGES).ln() / DEVIATION, DEVIATION),
+            Law::Watched => watched(life),
+            Law::Fleet(fleet) => fleet.log_density(life * self.scale, watched(life)),
         }
     }
 }
 
-fn watched(life: f64) -> f64 {
+/// The logarithm of the density of the logarithm of a life over the age of a watched part.
+pub(super) fn watched(life: f64) -> f64 {
     let z = (life / AGES).ln() / WATCHED_DEVIATION;
     // The constant is the logarithm of the density of Student's law with 3 degrees of freedom at 0.
     -1.000_888_8 - 0.5 * (WATCHED_DEGREES + 1.0) * (z * z / WATCHED_DEGREES).ln_1p() - WATCHED_DEVIATION.ln()

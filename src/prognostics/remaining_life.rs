@@ -54,12 +54,8 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
 }
 
 fn posterior(history: &History, points: &[Point], question: &Question) -> Posterior {
-    let setting = Setting {
-        at: history.at,
-        scale: history.scale,
-        life: &question.prior,
-        healthy_known: question.healthy.is_some(),
-    };
+    let life = &question.prior.at(history.scale);
+    let setting = Setting { at: history.at, scale: history.scale, life, healthy_known: question.healthy.is_some() };
     posterior::posterior(points, setting)
 }
 

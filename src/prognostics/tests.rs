@@ -348,6 +348,17 @@ fn straight(life: f64, at: f64, seed: u64) -> Vec<Observation> {
     }))
 }
 
+/// The tallies of actuators of one life each, added up.
+fn added_up(lives: &[LifeEvidence]) -> Vec<i64> {
+    let mut sum = Vec::new();
+    for life in lives {
+        let tally = tally(std::slice::from_ref(life)).unwrap();
+        sum.resize(tally.len(), 0);
+        sum.iter_mut().zip(tally).for_each(|(sum, count)| *sum += i64::from(count));
+    }
+    sum
+}
+
 #[test]
 fn a_fleet_helps_the_early_forecasts_of_its_next_part() {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(41);
@@ -364,8 +375,7 @@ fn a_fleet_helps_the_early_forecasts_of_its_next_part() {
             remaining_life(&straight(life, at, i as u64), &question).unwrap().evidence.unwrap()
         })
         .collect();
-    let fleet = Fleet::of(&lives).unwrap();
-    assert_eq!(fleet.lives, 20);
+    let fleet = Fleet::new(&added_up(&lives), &[]).unwrap();
     let error = |prior: &LifePrior| {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(43);
         (0..40)
@@ -382,4 +392,39 @@ fn a_fleet_helps_the_early_forecasts_of_its_next_part() {
     };
     let (alone, together) = (error(&LifePrior::Watched), error(&LifePrior::Fleet(fleet)));
     assert!(together < 0.5 * alone, "mean error over life: {together} with the fleet, {alone} without");
+}
+
+/// What a straight life of so many hours says of its length when seen up to a part of it.
+fn evidence(life: f64, part: f64, seed: u64) -> LifeEvidence {
+    let at = part * life;
+    let question = Question { life_start: Some(0.0), ..rising(at) };
+    remaining_life(&straight(life, at, seed), &question).unwrap().evidence.unwrap()
+}
+
+#[test]
+fn a_fleet_of_young_parts_promises_what_the_age_alone_does() {
+    let young: Vec<LifeEvidence> = (0..30).map(|i| evidence(5000.0, 0.02, i)).collect();
+    let fleet = Fleet::new(&added_up(&young), &[]).unwrap();
+    let median = |prior: LifePrior| {
+        let question = Question { life_start: Some(0.0), prior, ..rising(1000.0) };
+        forecast(&straight(5000.0, 1000.0, 7), &question).quantiles.q50.unwrap()
+    };
+    let (alone, among_them) = (median(LifePrior::Watched), median(LifePrior::Fleet(fleet)));
+    assert!((0.7..1.5).contains(&(among_them / alone)), "{among_them} among young parts, {alone} alone");
+}
+
+#[test]
+fn the_earlier_lives_of_a_part_count_for_more_than_those_of_others() {
+    let of_others: Vec<LifeEvidence> = (0..6).map(|i| evidence(4000.0 + 400.0 * i as f64, 1.0, i)).collect();
+    let own: Vec<LifeEvidence> = (0..2).map(|i| evidence(10_000.0, 1.0, 10 + i)).collect();
+    let median = |others: &[i64], own: &[LifeEvidence]| {
+        let prior = LifePrior::Fleet(Fleet::new(others, own).unwrap());
+        let question = Question { life_start: Some(0.0), horizon: Some(1e5), prior, ..rising(100.0) };
+        100.0 + forecast(&straight(7000.0, 100.0, 21), &question).quantiles.q50.unwrap()
+    };
+    let others = added_up(&of_others);
+    assert!((4000.0..6500.0).contains(&median(&others, &[])), "{}", median(&others, &[]));
+    let pooled = added_up(&[of_others, own.clone()].concat());
+    assert!(median(&others, &own) > 1.3 * median(&pooled, &[]), "own {}", median(&others, &own));
+    assert!((7000.0..11_000.0).contains(&median(&others, &own)), "{}", median(&others, &own));
 }

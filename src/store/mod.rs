@@ -15,8 +15,8 @@ use thiserror::Error;
 
 use alerts::{Alert, AlertChange, AlertState};
 use records::{
-    Actuator, ActuatorUpdate, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome,
-    ParameterSetRecord, TraceRecord, TrendRecord,
+    Actuator, ActuatorUpdate, FleetShare, FleetTally, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance,
+    NewJob, Outcome, ParameterSetRecord, TraceRecord, TrendRecord,
 };
 use webhooks::{Attempt, Delivery, DueDelivery, Secret, Webhook, WebhookChange};
 
@@ -134,6 +134,17 @@ pub struct LifeHistory {
     pub records: Vec<HealthRecord>,
 }
 
+/// What is kept with a forecast.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct WithForecast<'a> {
+    /// Its step of the trend.
+    pub step: Option<&'a TrendRecord>,
+    /// What it changes of its actuator's alerts.
+    pub alerts: &'a [AlertChange],
+    /// What its actuator's lives say of those of its cohorts, in the place of what was kept of the same faults.
+    pub shares: &'a [FleetShare],
+}
+
 /// An actuator with its newest health and its forecast, for the fleet's list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FleetRow {
@@ -235,16 +246,14 @@ pub trait Records: Send + Sync {
     /// Keeps a forecast, and with it the step of the trend that it makes, if the actuator still is at the revision that it was
     /// made from; `false`, and nothing kept, otherwise. A step of the same life and newest trace is replaced, others stay.
     async fn store_forecast(&self, forecast: &ForecastRecord, step: Option<&TrendRecord>) -> Result<bool, StoreError> {
-        self.store_forecast_and_alerts(forecast, step, &[]).await
+        self.store_forecast_with(forecast, &WithForecast { step, ..WithForecast::default() }).await
     }
-    /// The same with what the forecast changes of its actuator's alerts, and what the webhooks are told of that: all in one
+    /// The same with all that follows from the forecast, and what the webhooks are told of its alerts: all in one
     /// transaction. What is so already is not changed: an alert that is open is not raised again, a cleared one stays cleared.
-    async fn store_forecast_and_alerts(
-        &self,
-        forecast: &ForecastRecord,
-        step: Option<&TrendRecord>,
-        changes: &[AlertChange],
-    ) -> Result<bool, StoreError>;
+    async fn store_forecast_with(&self, forecast: &ForecastRecord, with: &WithForecast<'_>)
+    -> Result<bool, StoreError>;
+    /// What the actuators of a cohort say of its lives, without one of them.
+    async fn fleet_tally(&self, cohort: &str, without: Id) -> Result<FleetTally, StoreError>;
     /// Keeps a step of the trend unless one of its life and trace is kept already; whether it was kept.
     async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError>;
     /// The trend of an actuator's forecasts, life by life, in each ascending by usage, then by the time at which they were made:

@@ -422,6 +422,26 @@ pub struct TrendFaults {
     pub fdj_n: Option<TrendFigures>,
 }
 
+/// What the lives of one actuator say of those of its cohort, by one fault: numbers that are added up over a cohort.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FleetShare {
+    /// The fault.
+    pub fault: String,
+    /// The name of the cohort; shares of one name have as many numbers.
+    pub cohort: String,
+    /// The numbers; none where nothing is known.
+    pub tally: Vec<i32>,
+}
+
+/// The shares of a cohort, added up.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct FleetTally {
+    /// The actuators that have one.
+    pub actuators: u64,
+    /// The sums; none without an actuator.
+    pub tally: Vec<i64>,
+}
+
 /// A step of an actuator's trend: what was forecast from the traces of a life up to one, the newest then.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrendRecord {

@@ -3,6 +3,7 @@
 mod alerts;
 mod bench;
 mod dispatch;
+mod fleets;
 mod forecasts;
 mod interrupted;
 mod outcomes;

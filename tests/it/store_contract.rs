@@ -1,6 +1,7 @@
 //! What every store must do, whatever its engine: one body for each promise, run on each engine.
 
 pub mod alerts;
+mod cohorts;
 mod fleet;
 mod history;
 mod parameter_sets;
@@ -59,6 +60,11 @@ macro_rules! records_engine {
                 contract_a_simulation_adds_its_trace_when_it_finishes,
                 contract_maintenance_starts_a_life_unless_it_is_an_inspection,
                 contract_maintenance_is_listed_by_its_time,
+            },
+            cohorts::{
+                contract_the_shares_of_a_cohort_add_up_without_ones_own,
+                contract_a_share_takes_the_place_of_the_earlier_one_of_its_fault,
+                contract_shares_are_kept_with_their_forecast_or_not_at_all,
             },
             parameter_sets::{
                 contract_a_parameter_set_comes_back_as_it_was_kept,

@@ -1,7 +1,9 @@
 //! What the jobs do: read what they need, compute, and turn what was found into an outcome.
 
+mod asked;
 pub mod calendar;
 pub mod estimate;
+pub mod fleet;
 pub mod predict;
 pub mod simulate;
 mod trend;
@@ -22,7 +24,8 @@ use crate::numeric::digest::sha256_hex;
 use crate::numeric::watch::Watch;
 use crate::store::records::{Actuator, Id, Job, Outcome, TraceRecord};
 use crate::store::{LifeHistory, Records, StoreError, Traces};
-use predict::{RemainingLife, RiskQuestion};
+use fleet::KnownLives;
+use predict::{Predicted, RiskQuestion};
 
 /// Why an attempt failed.
 #[derive(Debug, Error)]
@@ -132,9 +135,15 @@ pub trait Compute: Send + Sync {
     /// Why nothing was found.
     fn compute(&self, work: Work, watch: &dyn Watch) -> Result<Finding, RunError>;
 
-    /// Forecasts from a history.
-    fn predict(&self, actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
-        predict::predict(actuator, history, asked)
+    /// Forecasts from a history and from what is known of other lives.
+    fn predict(
+        &self,
+        actuator: &Actuator,
+        history: &LifeHistory,
+        known: &KnownLives,
+        asked: &RiskQuestion,
+    ) -> Predicted {
+        predict::predict(actuator, history, known, asked)
     }
 }
 

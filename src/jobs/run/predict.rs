@@ -9,17 +9,15 @@ use serde::{Deserialize, Serialize};
 use tokio::task::{JoinError, spawn_blocking};
 use utoipa::ToSchema;
 
+use super::asked::{AskedFault, usage};
 use super::calendar::UseRate;
+use super::fleet::{self, KnownLives, LearntFrom};
 use super::{Compute, panic_text, trend};
 use crate::jobs::JobSettings;
 use crate::jobs::alerts::{self, AlertSettings, Evidence};
-use crate::models::fault::FDJ_NOMINAL_N;
-use crate::prognostics::{
-    BandPoint, Direction, Forecast, LifePrior, Observation, Prognosis, PrognosisError, Question, competing,
-    remaining_life,
-};
-use crate::store::records::{self, Actuator, ForecastRecord, HealthRecord, Id, UsageUnit};
-use crate::store::{LifeHistory, Records, StoreError};
+use crate::prognostics::{BandPoint, FLEET_MODEL, Forecast, Prognosis, PrognosisError, competing};
+use crate::store::records::{self, Actuator, FleetShare, ForecastRecord, Id, UsageUnit};
+use crate::store::{LifeHistory, Records, StoreError, WithForecast};
 
 /// What is asked of a forecast beside its quantiles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -123,6 +121,8 @@ pub struct FaultForecast {
     pub act_by: Option<ActBy>,
     /// The 90 % band of the fault's level ahead.
     pub band: Vec<BandPoint>,
+    /// The other lives that this one is expected to be like.
+    pub learnt_from: LearntFrom,
 }
 
 /// The stored forecast if it is of the actuator's revision or a later one, else a new one, which is then stored with the
@@ -138,7 +138,7 @@ pub(in crate::jobs) async fn forecast(
     {
         return Ok(stored);
     }
-    let (life, history) = made(records, compute, actuator, &settings.asked()).await?;
+    let (Predicted { life, shares }, history) = made(records, compute, actuator, &settings.asked()).await?;
     let forecast = ForecastRecord {
         actuator_id: actuator.id,
         revision: history.revision,
@@ -148,7 +148,13 @@ pub(in crate::jobs) async fn forecast(
         basis: basis(settings),
         created_at: records::now(),
     };
-    after_forecast(records, actuator, &forecast, settings, &life, &history).await?;
+    let step = trend::step(forecast.created_at, settings, &life, &history);
+    let open = records.open_alerts(actuator.id).await?;
+    let evidence = Evidence::of(&history);
+    let alerts = alerts::changes(actuator, &life, &evidence, &open, &settings.alerts, forecast.created_at);
+    // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
+    let with = WithForecast { step: step.as_ref(), alerts: &alerts, shares: &shares };
+    records.store_forecast_with(&forecast, &with).await?;
     Ok(forecast)
 }
 
@@ -158,10 +164,11 @@ pub(in crate::jobs) async fn made(
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
     asked: &RiskQuestion,
-) -> Result<(RemainingLife, LifeHistory), StoreError> {
+) -> Result<(Predicted, LifeHistory), StoreError> {
     let unknown = LifeHistory { revision: actuator.revision, ..LifeHistory::default() };
     let history = records.life_history(actuator.id).await?.unwrap_or(unknown);
-    Ok(computed(compute, actuator, history, asked).await)
+    let known = fleet::known(records, actuator).await?;
+    Ok(computed(compute, actuator, history, known, asked).await)
 }
 
 /// Computes a forecast where that may take its time.
@@ -169,15 +176,16 @@ async fn computed(
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
     history: LifeHistory,
+    known: KnownLives,
     asked: &RiskQuestion,
-) -> (RemainingLife, LifeHistory) {
+) -> (Predicted, LifeHistory) {
     let history = Arc::new(history);
-    let (known, asked, given) = (actuator.clone(), *asked, history.clone());
-    let life = match spawn_blocking(move || compute.predict(&known, &given, &asked)).await {
-        Ok(life) => life,
-        Err(ended) => failed(actuator, &asked, ended),
+    let (of, asked, given) = (actuator.clone(), *asked, history.clone());
+    let predicted = match spawn_blocking(move || compute.predict(&of, &given, &known, &asked)).await {
+        Ok(predicted) => predicted,
+        Err(ended) => Predicted { life: failed(actuator, &asked, ended), shares: Vec::new() },
     };
-    (life, Arc::unwrap_or_clone(history))
+    (predicted, Arc::unwrap_or_clone(history))
 }
 
 /// Gives a trace that is not the newest of its actuator its step of the trend, made from its life's history up to it, unless
@@ -198,7 +206,8 @@ pub(in crate::jobs) async fn fill_trend(
     }
     let Some(place) = history.records.iter().position(|record| record.trace_id == trace) else { return Ok(()) };
     history.records.truncate(place + 1);
-    let (life, history) = computed(compute, actuator, history, &settings.asked()).await;
+    let known = fleet::known(records, actuator).await?;
+    let (Predicted { life, .. }, history) = computed(compute, actuator, history, known, &settings.asked()).await;
     match trend::step(records::now(), settings, &life, &history) {
         Some(step) => records.fill_trend(&step).await.map(drop),
         None => Ok(()),
@@ -210,30 +219,13 @@ pub(in crate::jobs) fn document(life: &RemainingLife) -> serde_json::Value {
     serde_json::to_value(life).expect("a forecast's fields have names")
 }
 
-/// What follows from a new forecast: it is kept, and with it its step of the trend and what it changes of the alerts.
-async fn after_forecast(
-    records: &dyn Records,
-    actuator: &Actuator,
-    forecast: &ForecastRecord,
-    settings: &JobSettings,
-    life: &RemainingLife,
-    history: &LifeHistory,
-) -> Result<(), StoreError> {
-    let step = trend::step(forecast.created_at, settings, life, history);
-    let open = records.open_alerts(actuator.id).await?;
-    let evidence = Evidence::of(history);
-    let changes = alerts::changes(actuator, life, &evidence, &open, &settings.alerts, forecast.created_at);
-    // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
-    records.store_forecast_and_alerts(forecast, step.as_ref(), &changes).await.map(drop)
-}
-
 /// What a forecast rests on besides the history: when it changes, stored forecasts are made again.
 pub(in crate::jobs) fn basis(settings: &JobSettings) -> String {
     let RiskQuestion { risk_window, within, act_at_risk } = settings.asked();
     let AlertSettings { risk_raise, risk_clear, threshold_clear } = settings.alerts;
     format!(
-        "elevon {}, risk within {within} of window {risk_window}, act at risk {act_at_risk}, alerts from {risk_raise} to \
-         {risk_clear} and {threshold_clear}",
+        "elevon {}, lives of model {FLEET_MODEL}, risk within {within} of window {risk_window}, act at risk {act_at_risk}, \
+         alerts from {risk_raise} to {risk_clear} and {threshold_clear}",
         crate::VERSION
     )
 }
@@ -242,42 +234,57 @@ pub(in crate::jobs) fn basis(settings: &JobSettings) -> String {
 fn failed(actuator: &Actuator, asked: &RiskQuestion, ended: JoinError) -> RemainingLife {
     let reason = format!("the forecast failed: {}", panic_text(ended));
     tracing::error!(actuator_id = %actuator.id, reason, "forecast failed");
-    let mut life = predict(actuator, &LifeHistory::default(), asked);
+    let mut life = predict(actuator, &LifeHistory::default(), &KnownLives::default(), asked).life;
     life.reasons = vec![reason];
     life
 }
 
-/// Forecasts from the history of a life, ascending by time of recording.
+/// What was forecast, and what it tells others.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Predicted {
+    /// The forecast as it is served.
+    pub life: RemainingLife,
+    /// What the actuator's lives say of those of its cohorts.
+    pub shares: Vec<FleetShare>,
+}
+
+/// The forecast of one fault, and what it was made from and for.
+struct Told {
+    fault: AskedFault,
+    prognosis: Result<Prognosis, PrognosisError>,
+    learnt_from: LearntFrom,
+    elapsed_s: f64,
+}
+
+/// Forecasts from the history of a life, ascending by time of recording, and from what is known of other lives.
 #[must_use]
-pub fn predict(actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
+pub fn predict(actuator: &Actuator, history: &LifeHistory, known: &KnownLives, asked: &RiskQuestion) -> Predicted {
     let started = Instant::now();
     let unit = actuator.usage_unit;
-    let risk_window = asked.risk_window;
-    let LifeHistory { life_start_usage, records: history, .. } = history;
-    let newest = history.last();
-    // Usage never falls: a newer trace with less usage is in doubt, not all those before it.
-    let at = history.iter().map(|record| record.usage).reduce(f64::max).or(*life_start_usage).unwrap_or(0.0);
-    let life_start = life_start_usage.filter(|&start| start <= at);
-    let ask = |threshold, healthy, figure: fn(&HealthRecord) -> (Option<f64>, Option<f64>)| {
-        let direction = Direction::Rising;
-        let prior = LifePrior::Watched;
-        let healthy = Some(healthy);
-        let question = Question { threshold, direction, healthy, at, life_start, horizon: None, risk_window, prior };
-        remaining_life(&observations(history, figure), &question)
-    };
-    let kgm = ask(actuator.thresholds.kgm, 0.0, |record| (record.kgm, record.kgm_std));
-    let kgm_s = started.elapsed().as_secs_f64();
-    let fdj = ask(actuator.thresholds.fdj_n, FDJ_NOMINAL_N, |record| (record.fdj_n, record.fdj_n_std));
-    let elapsed_s = started.elapsed().as_secs_f64();
+    let faults = AskedFault::all(actuator, asked.risk_window);
+    let mut shares = Vec::new();
+    let [kgm, fdj_n] = [0, 1].map(|i| {
+        let (fault, others, started) = (faults[i], &known.others[i], Instant::now());
+        let mut lives = fleet::evidence(&known.earlier, &fault);
+        let learnt_from = LearntFrom { actuators: others.actuators, earlier_lives: lives.len() };
+        let prognosis = fault.of(history, fleet::prior(others, &lives));
+        lives.extend(prognosis.as_ref().ok().and_then(|prognosis| prognosis.evidence.clone()));
+        shares.push(fleet::share(actuator, &fault, &lives));
+        Told { fault, prognosis, learnt_from, elapsed_s: started.elapsed().as_secs_f64() }
+    });
     let (mut parts, mut refused) = (Vec::new(), Vec::new());
-    for (name, prognosis) in [("kgm", &kgm), ("fdj_n", &fdj)] {
+    for Told { fault, prognosis, .. } in [&kgm, &fdj_n] {
         match prognosis {
-            Ok(prognosis) => parts.push((name, prognosis)),
-            Err(error) => refused.push(format!("{name} cannot be forecast: {error}")),
+            Ok(prognosis) => parts.push((fault.name, prognosis)),
+            Err(error) => refused.push(format!("{} cannot be forecast: {error}", fault.name)),
         }
     }
     let mut first_to_fail = competing(&parts).expect("both faults were asked of one usage and one window");
     first_to_fail.reasons.extend(refused);
+    let elapsed_s = started.elapsed().as_secs_f64();
+    let at = usage(history);
+    let LifeHistory { life_start_usage, records: history, .. } = history;
+    let newest = history.last();
     if let Some(fallen) = history.windows(2).find(|pair| pair[1].usage < pair[0].usage) {
         let [before, after] = [0, 1].map(|i| (fallen[i].usage, fallen[i].trace_id));
         first_to_fail.reasons.push(format!(
@@ -292,7 +299,7 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion)
     }
     let use_rate = UseRate::of(history);
     let answers = Answers { asked, unit, use_rate: &use_rate };
-    RemainingLife {
+    let life = RemainingLife {
         actuator_id: actuator.id,
         as_of: newest.map(|record| record.recorded_at),
         usage: newest.map(|_| at),
@@ -301,24 +308,11 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion)
         risk: answers.risk(&first_to_fail),
         act_by: answers.act_by(&first_to_fail),
         reasons: first_to_fail.reasons,
-        faults: FaultForecasts {
-            kgm: answers.fault(kgm, actuator.thresholds.kgm, kgm_s),
-            fdj_n: answers.fault(fdj, actuator.thresholds.fdj_n, elapsed_s - kgm_s),
-        },
+        faults: FaultForecasts { kgm: answers.fault(kgm), fdj_n: answers.fault(fdj_n) },
         use_rate,
         version: crate::VERSION.into(),
-    }
-}
-
-/// What was observed of one fault, in the order of usage.
-fn observations(history: &[HealthRecord], figure: fn(&HealthRecord) -> (Option<f64>, Option<f64>)) -> Vec<Observation> {
-    let observe = |record: &HealthRecord| {
-        let (value, std) = figure(record);
-        Some(Observation { usage: record.usage, value: value?, std })
     };
-    let mut observations: Vec<_> = history.iter().filter_map(observe).collect();
-    observations.sort_by(|a, b| a.usage.total_cmp(&b.usage));
-    observations
+    Predicted { life, shares }
 }
 
 /// What every answer of one document shares.
@@ -329,7 +323,8 @@ struct Answers<'a> {
 }
 
 impl Answers<'_> {
-    fn fault(&self, prognosis: Result<Prognosis, PrognosisError>, threshold: f64, elapsed_s: f64) -> FaultForecast {
+    fn fault(&self, told: Told) -> FaultForecast {
+        let Told { fault: AskedFault { threshold, .. }, prognosis, learnt_from, elapsed_s } = told;
         match prognosis {
             Ok(prognosis) => FaultForecast {
                 threshold,
@@ -338,10 +333,11 @@ impl Answers<'_> {
                 act_by: self.act_by(&prognosis),
                 reasons: prognosis.reasons,
                 band: prognosis.band,
+                learnt_from,
             },
             Err(error) => {
                 let (reasons, band) = (vec![error.to_string()], Vec::new());
-                FaultForecast { threshold, forecast: None, reasons, risk: None, act_by: None, band }
+                FaultForecast { threshold, forecast: None, reasons, risk: None, act_by: None, band, learnt_from }
             }
         }
     }
@@ -388,7 +384,8 @@ mod tests {
 
     use super::*;
     use crate::estimation::Verdict;
-    use crate::store::records::Thresholds;
+    use crate::models::fault::FDJ_NOMINAL_N;
+    use crate::store::records::{HealthRecord, Thresholds};
 
     const ASKED: RiskQuestion = RiskQuestion { risk_window: 100.0, within: 100.0, act_at_risk: 0.05 };
 
@@ -424,13 +421,18 @@ mod tests {
         LifeHistory { life_start_usage, records: (0..=10).map(record).collect(), ..LifeHistory::default() }
     }
 
+    /// The forecast of a fleet's first actuator.
+    fn forecast_of(actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
+        predict(actuator, history, &KnownLives::default(), asked).life
+    }
+
     fn median(forecast: Option<&TimedForecast>) -> f64 {
         forecast.unwrap().forecast.quantiles.q50.unwrap()
     }
 
     #[test]
     fn the_actuator_fails_with_its_first_fault_and_remaining_life_counts_from_the_newest_trace() {
-        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, None), &ASKED);
+        let life = forecast_of(&actuator(Thresholds::default()), &history(0.03, 5.0, None), &ASKED);
         assert_eq!((life.usage, life.unit), (Some(1000.0), UsageUnit::FlightCycles));
         assert_eq!(life.as_of, Some(Timestamp::from_second(10).unwrap()));
         let (all, kgm) = (median(life.forecast.as_ref()), median(life.faults.kgm.forecast.as_ref()));
@@ -446,7 +448,7 @@ mod tests {
     fn without_an_observation_there_is_no_forecast_but_a_reason() {
         for life_start_usage in [None, Some(500.0)] {
             let history = LifeHistory { life_start_usage, ..LifeHistory::default() };
-            let life = predict(&actuator(Thresholds::default()), &history, &ASKED);
+            let life = forecast_of(&actuator(Thresholds::default()), &history, &ASKED);
             assert_eq!((life.as_of, life.usage, life.risk, &life.act_by), (None, None, None, &None));
             assert_eq!((life.use_rate.per_day, life.use_rate.traces), (None, 0));
             assert!(life.forecast.is_none() && life.faults.kgm.forecast.is_none());
@@ -457,7 +459,7 @@ mod tests {
 
     #[test]
     fn a_life_that_began_after_its_newest_usage_is_forecast_with_a_reason() {
-        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, Some(5000.0)), &ASKED);
+        let life = forecast_of(&actuator(Thresholds::default()), &history(0.03, 5.0, Some(5000.0)), &ASKED);
         assert!(life.forecast.is_some());
         assert!(life.reasons.iter().any(|reason| reason.contains("5000")), "{:?}", life.reasons);
     }
@@ -467,17 +469,17 @@ mod tests {
         let sound = history(0.03, 5.0, None);
         let mut mistyped = sound.clone();
         mistyped.records[10].usage = 45.0;
-        let life = predict(&actuator(Thresholds::default()), &mistyped, &ASKED);
+        let life = forecast_of(&actuator(Thresholds::default()), &mistyped, &ASKED);
         assert_eq!(life.usage, Some(900.0));
         assert!(life.reasons.iter().any(|reason| reason.contains("usage fell from 900")), "{:?}", life.reasons);
-        let expected = median(predict(&actuator(Thresholds::default()), &sound, &ASKED).forecast.as_ref());
+        let expected = median(forecast_of(&actuator(Thresholds::default()), &sound, &ASKED).forecast.as_ref());
         assert!((median(life.forecast.as_ref()) - expected - 100.0).abs() < 0.2 * expected, "{life:?}");
     }
 
     #[test]
     fn a_fault_that_cannot_be_forecast_leaves_the_other() {
         let thresholds = Thresholds { kgm: 1e-9, fdj_n: 1000.0 };
-        let life = predict(&actuator(thresholds), &history(0.03, 40.0, None), &ASKED);
+        let life = forecast_of(&actuator(thresholds), &history(0.03, 40.0, None), &ASKED);
         assert!(life.faults.kgm.forecast.is_none() && life.faults.kgm.reasons[0].contains("history["));
         assert!(life.reasons.iter().any(|reason| reason.starts_with("kgm cannot")), "{:?}", life.reasons);
         assert_eq!(median(life.forecast.as_ref()), median(life.faults.fdj_n.forecast.as_ref()));
@@ -486,7 +488,7 @@ mod tests {
     #[test]
     fn every_quantile_has_its_date_at_the_rate_of_use() {
         // One trace a second, each with 100 cycles more.
-        let life = predict(&actuator(Thresholds::default()), &history(0.03, 5.0, None), &ASKED);
+        let life = forecast_of(&actuator(Thresholds::default()), &history(0.03, 5.0, None), &ASKED);
         assert!((life.use_rate.per_day.unwrap() - 100.0 * 86_400.0).abs() < 1.0, "{:?}", life.use_rate);
         for timed in [&life.forecast, &life.faults.kgm.forecast, &life.faults.fdj_n.forecast].map(Option::as_ref) {
             let TimedForecast { forecast, dates, .. } = timed.unwrap();
@@ -505,7 +507,7 @@ mod tests {
     #[test]
     fn to_act_by_is_the_quantile_of_the_risk_with_its_usage_and_date() {
         let worn = history(0.03, 5.0, None);
-        let life = predict(&actuator(Thresholds::default()), &worn, &ASKED);
+        let life = forecast_of(&actuator(Thresholds::default()), &worn, &ASKED);
         let act_by = life.act_by.unwrap();
         let forecast = life.forecast.unwrap();
         assert_eq!((act_by.risk, act_by.remaining), (0.05, forecast.forecast.quantiles.q05));
@@ -515,28 +517,28 @@ mod tests {
         assert!(kgm.remaining >= act_by.remaining, "the actuator acts no later than its faults");
 
         let other = RiskQuestion { within: 250.0, act_at_risk: 0.3, ..ASKED };
-        let asked = predict(&actuator(Thresholds::default()), &worn, &other);
+        let asked = forecast_of(&actuator(Thresholds::default()), &worn, &other);
         let later = asked.act_by.unwrap();
         assert!(later.remaining > act_by.remaining && later.remaining < forecast.forecast.quantiles.q50);
         let risk = asked.risk.unwrap();
         assert!(risk.within == 250.0 && risk.probability > life.risk.unwrap().probability, "{risk:?}");
         assert_eq!(asked.forecast.unwrap().forecast, forecast.forecast, "the question does not move the forecast");
         let same = RiskQuestion { within: later.remaining.unwrap(), ..ASKED };
-        let risk = predict(&actuator(Thresholds::default()), &worn, &same).risk.unwrap();
+        let risk = forecast_of(&actuator(Thresholds::default()), &worn, &same).risk.unwrap();
         assert!((risk.probability - 0.3).abs() < 1e-3, "{risk:?}");
     }
 
     #[test]
     fn a_risk_that_is_not_reached_within_the_horizon_has_a_reason_and_no_date() {
         let never = RiskQuestion { act_at_risk: 1.0 - 1e-9, ..ASKED };
-        let life = predict(&actuator(Thresholds::default()), &history(0.0005, 0.0, None), &never);
+        let life = forecast_of(&actuator(Thresholds::default()), &history(0.0005, 0.0, None), &never);
         let act_by = life.act_by.unwrap();
         assert_eq!((act_by.remaining, act_by.usage, act_by.date), (None, None, None));
         let reason = act_by.reason.unwrap();
         assert!(reason.contains("up to the horizon, 20000 flight cycles ahead"), "{reason}");
         let mut at_once = history(0.03, 5.0, None);
         at_once.records.iter_mut().for_each(|record| record.recorded_at = Timestamp::UNIX_EPOCH);
-        let life = predict(&actuator(Thresholds::default()), &at_once, &ASKED);
+        let life = forecast_of(&actuator(Thresholds::default()), &at_once, &ASKED);
         let act_by = life.act_by.unwrap();
         assert!(act_by.usage.is_some() && act_by.date.is_none(), "{act_by:?}");
         assert!(act_by.reason.as_ref().unwrap().starts_with("no date: time does not advance"), "{act_by:?}");

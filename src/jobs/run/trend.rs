@@ -3,6 +3,7 @@
 use jiff::{SignedDuration, Timestamp};
 
 use super::predict::{RemainingLife, Risk, TimedForecast, basis};
+use crate::jobs::baselines::Life;
 use crate::jobs::{JobSettings, baselines};
 use crate::store::records::{Id, TrendFaults, TrendFigures, TrendRecord};
 use crate::store::{LifeHistory, Page, Paged, Records, StoreError};
@@ -41,18 +42,29 @@ pub(super) fn step(
 
 /// The history of the life in which something was recorded at a time, up to that time: a life that may be over.
 pub(super) async fn life_up_to(records: &dyn Records, actuator: Id, at: Timestamp) -> Result<LifeHistory, StoreError> {
-    let life = baselines::lives(records, actuator).await?.into_iter().find(|life| life.has(at));
-    let start = life.and_then(|life| life.start);
-    let mut history = LifeHistory {
-        life_started_at: start.as_ref().map(|event| event.at),
-        life_start_usage: start.map(|event| event.usage),
-        ..LifeHistory::default()
+    let Some(life) = baselines::lives(records, actuator).await?.into_iter().find(|life| life.has(at)) else {
+        return Ok(LifeHistory::default());
     };
     // The end of a span is not part of it.
     let end = at.checked_add(SignedDuration::from_micros(1)).unwrap_or(at);
+    life_records(records, actuator, &life, Some(end)).await
+}
+
+/// The history of a life up to a time, which is not part of it.
+pub(super) async fn life_records(
+    records: &dyn Records,
+    actuator: Id,
+    life: &Life,
+    end: Option<Timestamp>,
+) -> Result<LifeHistory, StoreError> {
+    let mut history = LifeHistory {
+        life_started_at: life.since(),
+        life_start_usage: life.start.as_ref().map(|event| event.usage),
+        ..LifeHistory::default()
+    };
     let mut page = Page { after: None, limit: AT_ONCE };
     loop {
-        let Paged { items, next_cursor } = records.health(actuator, history.life_started_at, Some(end), &page).await?;
+        let Paged { items, next_cursor } = records.health(actuator, history.life_started_at, end, &page).await?;
         history.records.extend(items);
         page.after = next_cursor;
         if page.after.is_none() {

@@ -4,10 +4,9 @@ use sqlx::sqlite::{SqlitePool, SqliteRow};
 use sqlx::{Row as _, ValueRef as _};
 
 use super::row::{Reader, micros};
-use super::{actuators, alerts, begin, health, trend};
-use crate::store::alerts::AlertChange;
-use crate::store::records::{ForecastRecord, HealthRecord, Id, TrendRecord};
-use crate::store::{FleetRow, Page, Paged, StoreError};
+use super::{actuators, alerts, begin, cohorts, health, trend};
+use crate::store::records::{ForecastRecord, HealthRecord, Id};
+use crate::store::{FleetRow, Page, Paged, StoreError, WithForecast};
 
 /// A page of the fleet: each actuator, its newest health record in this life, its forecast and its place in the order.
 macro_rules! fleet {
@@ -55,12 +54,11 @@ pub(super) async fn forecast(readers: &SqlitePool, actuator: Id) -> Result<Optio
     row.as_ref().map(|row| read(row, 0)).transpose()
 }
 
-/// Keeps a forecast with its step of the trend and what it changes of its actuator's alerts, all or nothing.
+/// Keeps a forecast with all that follows from it, or nothing.
 pub(super) async fn store_forecast(
     writer: &SqlitePool,
     forecast: &ForecastRecord,
-    step: Option<&TrendRecord>,
-    changes: &[AlertChange],
+    with: &WithForecast<'_>,
 ) -> Result<bool, StoreError> {
     let mut transaction = begin(writer).await?;
     let ranked = sqlx::query(RANK)
@@ -80,10 +78,13 @@ pub(super) async fn store_forecast(
         .bind(&forecast.basis)
         .execute(&mut *transaction)
         .await?;
-    if let Some(step) = step {
+    if let Some(step) = with.step {
         trend::keep(&mut transaction, step).await?;
     }
-    let happened = alerts::apply(&mut transaction, forecast.actuator_id, changes).await?;
+    for share in with.shares {
+        cohorts::keep(&mut transaction, forecast.actuator_id, share).await?;
+    }
+    let happened = alerts::apply(&mut transaction, forecast.actuator_id, with.alerts).await?;
     transaction.commit().await?;
     alerts::count(&happened);
     Ok(true)

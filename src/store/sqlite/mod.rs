@@ -2,6 +2,7 @@
 
 mod actuators;
 mod alerts;
+mod cohorts;
 #[cfg(test)]
 mod durability;
 mod fleet;
@@ -27,14 +28,14 @@ use sqlx::migrate::Migrator;
 use sqlx::sqlite::{SqliteConnectOptions, SqliteJournalMode, SqlitePool, SqlitePoolOptions, SqliteSynchronous};
 use sqlx::{Connection as _, Sqlite, SqliteConnection, Transaction};
 
-use super::alerts::{Alert, AlertChange, AlertState};
+use super::alerts::{Alert, AlertState};
 use super::local::create_durably;
 use super::records::{
-    Actuator, ActuatorUpdate, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob, Outcome,
-    ParameterSetRecord, TraceRecord, TrendRecord,
+    Actuator, ActuatorUpdate, FleetTally, ForecastRecord, HealthRecord, Id, Job, JobState, Maintenance, NewJob,
+    Outcome, ParameterSetRecord, TraceRecord, TrendRecord,
 };
 use super::webhooks::{Attempt, Delivery, DueDelivery, Secret, Webhook, WebhookChange};
-use super::{FleetRow, LifeHistory, Page, Paged, Records, StoreError};
+use super::{FleetRow, LifeHistory, Page, Paged, Records, StoreError, WithForecast};
 
 /// The database's file in its folder.
 pub const FILE: &str = "elevon.db";
@@ -221,13 +222,16 @@ impl Records for SqliteRecords {
         fleet::forecast(&self.readers, actuator).await
     }
 
-    async fn store_forecast_and_alerts(
+    async fn store_forecast_with(
         &self,
         forecast: &ForecastRecord,
-        step: Option<&TrendRecord>,
-        changes: &[AlertChange],
+        with: &WithForecast<'_>,
     ) -> Result<bool, StoreError> {
-        fleet::store_forecast(&self.writer, forecast, step, changes).await
+        fleet::store_forecast(&self.writer, forecast, with).await
+    }
+
+    async fn fleet_tally(&self, cohort: &str, without: Id) -> Result<FleetTally, StoreError> {
+        cohorts::tally(&self.readers, cohort, without).await
     }
 
     async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError> {

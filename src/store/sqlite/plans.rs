@@ -2,7 +2,7 @@
 
 use sqlx::{AssertSqlSafe, Row as _};
 
-use super::{SqliteRecords, actuators, alerts, fleet, health, jobs, parameter_sets, trend, webhooks};
+use super::{SqliteRecords, actuators, alerts, cohorts, fleet, health, jobs, parameter_sets, trend, webhooks};
 
 async fn plan(records: &SqliteRecords, sql: &'static str) -> Vec<String> {
     let explain = AssertSqlSafe(format!("EXPLAIN QUERY PLAN {sql}"));
@@ -32,6 +32,9 @@ async fn every_hot_query_searches_an_index_and_sorts_nothing() {
         fleet::FLEET,
         fleet::FLEET_OF_TAIL,
         trend::LIST,
+        cohorts::SHARE,
+        cohorts::SHARE_IN,
+        cohorts::SUM,
         alerts::OPEN,
         alerts::OF_FORMER_LIVES,
         alerts::LIST,

@@ -75,6 +75,16 @@ impl<'r> Reader<'r> {
         T::try_from(value).map_err(|error| self.corrupt(error))
     }
 
+    /// Numbers of equal width, one after the other.
+    pub(super) fn numbers<T, const WIDTH: usize>(&mut self, read: fn([u8; WIDTH]) -> T) -> Result<Vec<T>, StoreError> {
+        let bytes: &[u8] = self.value()?;
+        let (numbers, rest) = bytes.as_chunks();
+        if rest.is_empty() {
+            return Ok(numbers.iter().copied().map(read).collect());
+        }
+        Err(self.corrupt(format!("{} bytes, expected a multiple of {WIDTH}", bytes.len())))
+    }
+
     /// One of an enumeration's names.
     pub(super) fn name<T: DeserializeOwned>(&mut self) -> Result<T, StoreError> {
         let text: &str = self.value()?;

@@ -8,7 +8,7 @@ use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 use super::{FILE, MIGRATIONS, SqliteRecords};
 use crate::store::alerts::{AlertChange, Cause, NewAlert};
 use crate::store::records::{ForecastRecord, Id, ParameterSetRecord, TrendFaults, TrendRecord, now};
-use crate::store::{Page, Records as _};
+use crate::store::{Page, Records as _, WithForecast};
 
 /// A database of an older schema.
 async fn older(dir: &Path, version: i64) -> SqlitePool {
@@ -81,7 +81,12 @@ async fn a_database_from_before_there_were_alerts_has_none_and_takes_them() {
     let (risk, median_remaining, created_at) = (Some(0.2), None, now());
     let forecast = ForecastRecord { actuator_id: id, revision: 0, risk, median_remaining, document, basis, created_at };
     let changes = [AlertChange::Raise(Box::new(alert))];
-    assert!(records.store_forecast_and_alerts(&forecast, None, &changes).await.unwrap());
+    assert!(
+        records
+            .store_forecast_with(&forecast, &WithForecast { alerts: &changes, ..WithForecast::default() })
+            .await
+            .unwrap()
+    );
     assert_eq!(records.open_alerts(id).await.unwrap().len(), 1);
 }
 

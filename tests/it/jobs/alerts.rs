@@ -4,7 +4,8 @@ use std::sync::{Arc, Mutex};
 
 use elevon::jobs::JobSettings;
 use elevon::jobs::alerts::AlertSettings;
-use elevon::jobs::run::predict::{RemainingLife, Risk, RiskQuestion};
+use elevon::jobs::run::fleet::KnownLives;
+use elevon::jobs::run::predict::{Predicted, Risk, RiskQuestion};
 use elevon::jobs::run::{Compute, Finding, Models, RunError, Work};
 use elevon::numeric::watch::Watch;
 use elevon::store::alerts::{AlertFault, AlertKind, AlertState, ClearedBecause};
@@ -26,14 +27,21 @@ impl Compute for Told {
         Models.compute(work, watch)
     }
 
-    fn predict(&self, actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
+    fn predict(
+        &self,
+        actuator: &Actuator,
+        history: &LifeHistory,
+        known: &KnownLives,
+        asked: &RiskQuestion,
+    ) -> Predicted {
         let (probability, reached) = *self.0.lock().unwrap();
-        let mut life = Models.predict(actuator, history, asked);
+        let mut predicted = Models.predict(actuator, history, known, asked);
+        let life = &mut predicted.life;
         life.risk = life.risk.map(|risk| Risk { probability, ..risk });
         if let Some(forecast) = &mut life.faults.kgm.forecast {
             forecast.forecast.reached = reached;
         }
-        life
+        predicted
     }
 }
 

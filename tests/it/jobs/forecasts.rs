@@ -3,7 +3,8 @@
 use std::sync::mpsc::{Sender, channel};
 
 use elevon::jobs::JobSettings;
-use elevon::jobs::run::predict::{RemainingLife, RiskQuestion};
+use elevon::jobs::run::fleet::KnownLives;
+use elevon::jobs::run::predict::{Predicted, RiskQuestion};
 use elevon::jobs::run::{Compute, Finding, Models, RunError, Work};
 use elevon::numeric::watch::Watch;
 use elevon::store::LifeHistory;
@@ -67,9 +68,15 @@ impl Compute for Noted {
         Models.compute(work, watch)
     }
 
-    fn predict(&self, actuator: &Actuator, history: &LifeHistory, asked: &RiskQuestion) -> RemainingLife {
+    fn predict(
+        &self,
+        actuator: &Actuator,
+        history: &LifeHistory,
+        known: &KnownLives,
+        asked: &RiskQuestion,
+    ) -> Predicted {
         self.0.send(actuator.id).unwrap();
-        Models.predict(actuator, history, asked)
+        Models.predict(actuator, history, known, asked)
     }
 }
 
@@ -108,7 +115,7 @@ impl Compute for NoForecast {
         Models.compute(work, watch)
     }
 
-    fn predict(&self, _: &Actuator, _: &LifeHistory, _: &RiskQuestion) -> RemainingLife {
+    fn predict(&self, _: &Actuator, _: &LifeHistory, _: &KnownLives, _: &RiskQuestion) -> Predicted {
         panic!("a singular matrix")
     }
 }
@@ -177,6 +184,9 @@ async fn estimates_that_come_late_or_end_together_have_their_steps_from_what_was
     assert_eq!((steps[0].trace_id, steps[0].recorded_at), (late.id, at(300)));
     assert!(steps[0].actuator.is_some() && steps[0].made_at > newest[0].made_at);
     assert_ne!(steps[1].actuator, newest[0].actuator, "the newest is forecast with it");
+    // In a fleet of its own: what was learnt of the first would inform it.
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
     let twin = registered(&*bench.records, "B").await.id;
     for i in [1, 2] {
         measured(&*bench.records, twin, 100 * i, Some(0.04 * i as f64)).await;

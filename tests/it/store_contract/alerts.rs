@@ -3,7 +3,7 @@ use std::sync::Arc;
 use elevon::store::alerts::{Alert, AlertChange, AlertFault, AlertKind, AlertState, Cause, ClearedBecause, NewAlert};
 use elevon::store::records::{Id, MaintenanceKind, UsageUnit, now};
 use elevon::store::webhooks::Event;
-use elevon::store::{Page, Records, StoreError};
+use elevon::store::{Page, Records, StoreError, WithForecast};
 
 use super::samples::{all, at, forecast, maintained, measured, registered};
 use super::webhooks::{deliveries, hook, told};
@@ -27,10 +27,14 @@ pub fn clear(id: Id, second: i64) -> AlertChange {
     AlertChange::Clear { id, because: ClearedBecause::RiskFell, at: at(second) }
 }
 
+fn with(alerts: &[AlertChange]) -> WithForecast<'_> {
+    WithForecast { alerts, ..WithForecast::default() }
+}
+
 /// Keeps a forecast of the actuator's newest revision with changes of its alerts.
 pub async fn changed(records: &dyn Records, actuator: Id, changes: &[AlertChange]) {
     let revision = records.actuator(actuator).await.unwrap().unwrap().revision;
-    assert!(records.store_forecast_and_alerts(&forecast(actuator, revision, None, None), None, changes).await.unwrap());
+    assert!(records.store_forecast_with(&forecast(actuator, revision, None, None), &with(changes)).await.unwrap());
 }
 
 /// Every alert, newest first.
@@ -103,7 +107,7 @@ pub async fn contract_a_forecast_of_an_older_revision_changes_no_alert(records: 
     let late = forecast(id, 0, None, None);
     let trace = measured(&*records, id, 30, Some(0.1)).await;
     let changes = [clear(open[0].id, 40), threshold(AlertFault::Kgm, trace, 40)];
-    assert!(!records.store_forecast_and_alerts(&late, None, &changes).await.unwrap());
+    assert!(!records.store_forecast_with(&late, &with(&changes)).await.unwrap());
     assert_eq!(alerts(&*records).await, open);
 }
 
@@ -214,7 +218,7 @@ pub async fn contract_an_alert_and_what_is_told_of_it_are_one_change(records: Ar
     let kept = forecast(id, 0, None, None);
     // The trace does not exist, so that raising the second alert fails after the first was raised.
     let changes = [risk(10), threshold(AlertFault::Kgm, Id::now(), 10)];
-    let error = records.store_forecast_and_alerts(&kept, None, &changes).await.unwrap_err();
+    let error = records.store_forecast_with(&kept, &with(&changes)).await.unwrap_err();
     assert!(matches!(error, StoreError::Database(_)), "{error}");
     assert_eq!(alerts(&*records).await, []);
     assert_eq!(deliveries(&*records, webhook).await, []);

@@ -1,0 +1,65 @@
+//! What is asked of each fault of an actuator, and of which observations.
+
+use crate::models::fault::FDJ_NOMINAL_N;
+use crate::prognostics::{Direction, LifePrior, Observation, Prognosis, PrognosisError, Question, remaining_life};
+use crate::store::LifeHistory;
+use crate::store::records::{Actuator, HealthRecord};
+
+/// A value and its standard deviation.
+type Figure = (Option<f64>, Option<f64>);
+
+/// A fault whose remaining life is asked.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct AskedFault {
+    /// Its name in the forecast.
+    pub name: &'static str,
+    /// Its value in an actuator without it.
+    pub healthy: f64,
+    /// The value at which life ends.
+    pub threshold: f64,
+    figure: fn(&HealthRecord) -> Figure,
+    risk_window: f64,
+}
+
+impl AskedFault {
+    /// KGM and FDJ of an actuator.
+    pub fn all(actuator: &Actuator, risk_window: f64) -> [Self; 2] {
+        let kgm: fn(&HealthRecord) -> Figure = |record| (record.kgm, record.kgm_std);
+        let fdj: fn(&HealthRecord) -> Figure = |record| (record.fdj_n, record.fdj_n_std);
+        let fault = |name, healthy, threshold, figure| Self { name, healthy, threshold, figure, risk_window };
+        let thresholds = actuator.thresholds;
+        [fault("kgm", 0.0, thresholds.kgm, kgm), fault("fdj_n", FDJ_NOMINAL_N, thresholds.fdj_n, fdj)]
+    }
+
+    /// The remaining life in a life.
+    pub fn of(&self, life: &LifeHistory, prior: LifePrior) -> Result<Prognosis, PrognosisError> {
+        let at = usage(life);
+        let question = Question {
+            threshold: self.threshold,
+            direction: Direction::Rising,
+            healthy: Some(self.healthy),
+            at,
+            life_start: life.life_start_usage.filter(|&start| start <= at),
+            horizon: None,
+            risk_window: self.risk_window,
+            prior,
+        };
+        remaining_life(&self.observations(&life.records), &question)
+    }
+
+    /// What was observed, in the order of usage.
+    fn observations(&self, history: &[HealthRecord]) -> Vec<Observation> {
+        let observe = |record: &HealthRecord| {
+            let (value, std) = (self.figure)(record);
+            Some(Observation { usage: record.usage, value: value?, std })
+        };
+        let mut observations: Vec<_> = history.iter().filter_map(observe).collect();
+        observations.sort_by(|a, b| a.usage.total_cmp(&b.usage));
+        observations
+    }
+}
+
+/// The usage of a life's newest state. Usage never falls: a newer trace with less usage is in doubt, not all those before it.
+pub(super) fn usage(life: &LifeHistory) -> f64 {
+    life.records.iter().map(|record| record.usage).reduce(f64::max).or(life.life_start_usage).unwrap_or(0.0)
+}

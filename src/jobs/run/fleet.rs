@@ -1,0 +1,70 @@
+//! Fleet learning: what a forecast takes from the lives of its cohort and from its actuator's earlier ones, and what it adds.
+//!
+//! A cohort is the actuators of one parameter set whose lives can be compared: one usage unit, one fault, one threshold.
+
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::asked::AskedFault;
+use super::trend::life_records;
+use crate::jobs::baselines;
+use crate::prognostics::{FLEET_MODEL, Fleet, LifeEvidence, LifePrior, tally};
+use crate::store::records::{Actuator, FleetShare, FleetTally};
+use crate::store::{LifeHistory, Records, StoreError};
+
+/// The most earlier lives of an actuator that count: the newest.
+const EARLIER_MAX: usize = 4;
+
+/// What is known of lives beside the history of an actuator's current one.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct KnownLives {
+    /// What the others of its cohorts say, fault by fault.
+    pub others: [FleetTally; 2],
+    /// The earlier lives of the same actuator, in their order.
+    pub earlier: Vec<LifeHistory>,
+}
+
+/// The lives that a forecast rests on beside the one that it is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+pub struct LearntFrom {
+    /// Other actuators of its parameter set, with its usage unit and this fault's threshold.
+    pub actuators: u64,
+    /// Earlier lives of the same actuator.
+    pub earlier_lives: usize,
+}
+
+/// Reads what is known beside the history of an actuator's current life.
+pub(super) async fn known(records: &dyn Records, actuator: &Actuator) -> Result<KnownLives, StoreError> {
+    let mut lives = baselines::lives(records, actuator.id).await?;
+    lives.pop();
+    let mut earlier = Vec::new();
+    for life in &lives[lives.len().saturating_sub(EARLIER_MAX)..] {
+        earlier.push(life_records(records, actuator.id, life, life.end).await?);
+    }
+    let [kgm, fdj_n] = AskedFault::all(actuator, 0.0).map(|fault| cohort(actuator, &fault));
+    let others = [records.fleet_tally(&kgm, actuator.id).await?, records.fleet_tally(&fdj_n, actuator.id).await?];
+    Ok(KnownLives { others, earlier })
+}
+
+/// The name of the cohort of a fault of an actuator.
+fn cohort(actuator: &Actuator, fault: &AskedFault) -> String {
+    let AskedFault { name, healthy, threshold, .. } = fault;
+    let (set, unit) = (&actuator.parameter_set, actuator.usage_unit.name());
+    format!("model {FLEET_MODEL}, {set}, {unit}, {name} from {healthy} to {threshold}")
+}
+
+/// What the earlier lives of an actuator say of the length of its lives. One whose history cannot be used says nothing.
+pub(super) fn evidence(earlier: &[LifeHistory], fault: &AskedFault) -> Vec<LifeEvidence> {
+    earlier.iter().filter_map(|life| fault.of(life, LifePrior::Watched).ok()?.evidence).collect()
+}
+
+/// The prior of a life after what the others say and the actuator's earlier lives.
+pub(super) fn prior(others: &FleetTally, earlier: &[LifeEvidence]) -> LifePrior {
+    Fleet::new(&others.tally, earlier).map_or(LifePrior::Watched, LifePrior::Fleet)
+}
+
+/// What the lives of an actuator say of those of its cohort.
+pub(super) fn share(actuator: &Actuator, fault: &AskedFault, lives: &[LifeEvidence]) -> FleetShare {
+    let tally = tally(lives).unwrap_or_default();
+    FleetShare { fault: fault.name.to_owned(), cohort: cohort(actuator, fault), tally }
+}
