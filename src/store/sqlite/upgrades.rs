@@ -7,7 +7,9 @@ use sqlx::sqlite::{SqliteConnectOptions, SqlitePool};
 
 use super::{FILE, MIGRATIONS, SqliteRecords};
 use crate::store::alerts::{AlertChange, Cause, NewAlert};
-use crate::store::records::{ForecastRecord, Id, ParameterSetRecord, TrendFaults, TrendRecord, now};
+use crate::store::records::{
+    FleetShare, FleetTally, ForecastRecord, Id, ParameterSetRecord, TrendFaults, TrendRecord, now,
+};
 use crate::store::{Page, Records as _, WithForecast};
 
 /// A database of an older schema.
@@ -16,6 +18,13 @@ async fn older(dir: &Path, version: i64) -> SqlitePool {
     let old = SqlitePool::connect_with(options).await.unwrap();
     MIGRATIONS.run_to(version, &old).await.unwrap();
     old
+}
+
+/// The forecast of an actuator whose history never changed.
+fn forecast(actuator_id: Id) -> ForecastRecord {
+    let (document, basis) = (serde_json::json!({}), "new".to_owned());
+    let (risk, median_remaining, created_at) = (Some(0.2), None, now());
+    ForecastRecord { actuator_id, revision: 0, risk, median_remaining, document, basis, created_at }
 }
 
 async fn insert_actuator(old: &SqlitePool, id: Id) {
@@ -77,16 +86,9 @@ async fn a_database_from_before_there_were_alerts_has_none_and_takes_them() {
     assert_eq!((rows[0].alerts_open, rows[0].newest.is_some()), (0, true));
     let cause = Cause::Risk { risk: 0.2, limit: 0.1, within: 100.0, trace_id: None };
     let alert = NewAlert { id: Id::now(), cause, usage: 1.0, message: "soon".into(), raised_at: now() };
-    let (document, basis) = (serde_json::json!({}), String::new());
-    let (risk, median_remaining, created_at) = (Some(0.2), None, now());
-    let forecast = ForecastRecord { actuator_id: id, revision: 0, risk, median_remaining, document, basis, created_at };
     let changes = [AlertChange::Raise(Box::new(alert))];
-    assert!(
-        records
-            .store_forecast_with(&forecast, &WithForecast { alerts: &changes, ..WithForecast::default() })
-            .await
-            .unwrap()
-    );
+    let with = WithForecast { alerts: &changes, ..WithForecast::default() };
+    assert!(records.store_forecast_with(&forecast(id), &with).await.unwrap());
     assert_eq!(records.open_alerts(id).await.unwrap().len(), 1);
 }
 
@@ -123,7 +125,7 @@ async fn a_forecast_from_before_there_was_a_trend_stays_and_the_trend_begins_wit
     let page = Page { after: None, limit: 10 };
     assert!(records.trend(id, None, None, &page).await.unwrap().items.is_empty());
     let newest = records.life_history(id).await.unwrap().unwrap().records.remove(0);
-    let (document, basis, made_at) = (serde_json::json!({}), "new".to_owned(), now());
+    let forecast = forecast(id);
     let step = TrendRecord {
         actuator_id: id,
         life_started_at: None,
@@ -131,16 +133,29 @@ async fn a_forecast_from_before_there_was_a_trend_stays_and_the_trend_begins_wit
         trace_id: newest.trace_id,
         recorded_at: newest.recorded_at,
         usage: newest.usage,
-        made_at,
+        made_at: forecast.created_at,
         risk_window: 100.0,
         actuator: None,
         faults: TrendFaults { kgm: None, fdj_n: None },
-        basis: basis.clone(),
+        basis: forecast.basis.clone(),
         version: "new".into(),
     };
-    let (risk, median_remaining) = (None, None);
-    let forecast =
-        ForecastRecord { actuator_id: id, revision: 0, risk, median_remaining, document, basis, created_at: made_at };
     assert!(records.store_forecast(&forecast, Some(&step)).await.unwrap());
     assert_eq!(records.trend(id, None, None, &page).await.unwrap().items, [step]);
+}
+
+#[tokio::test]
+async fn a_database_from_before_fleets_learnt_begins_with_no_lives_and_takes_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = older(dir.path(), 6).await;
+    let id = Id::now();
+    insert_actuator(&old, id).await;
+    old.close().await;
+    let records = SqliteRecords::open(dir.path()).await.unwrap();
+    assert_eq!(records.fleet_tally("x", Id::now()).await.unwrap(), FleetTally::default());
+    let shares = [FleetShare { fault: "kgm".into(), cohort: "x".into(), tally: vec![-3, 0] }];
+    let with = WithForecast { shares: &shares, ..WithForecast::default() };
+    assert!(records.store_forecast_with(&forecast(id), &with).await.unwrap());
+    let expected = FleetTally { actuators: 1, tally: vec![-3, 0] };
+    assert_eq!(records.fleet_tally("x", Id::now()).await.unwrap(), expected);
 }
