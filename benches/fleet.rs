@@ -4,7 +4,7 @@
 use std::slice::from_ref;
 use std::time::Instant;
 
-use elevon::prognostics::metrics::{Criteria, Scored, figures};
+use elevon::prognostics::metrics::{Criteria, Figures, Scored, figures};
 use elevon::prognostics::{Direction, Fleet, LifeEvidence, LifePrior, Observation, Question, remaining_life, tally};
 use rand::{Rng, RngExt, SeedableRng};
 use rand_distr::{Distribution, Gamma, StandardNormal};
@@ -12,7 +12,8 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Simulated fleets, each with a type of its own.
 const FLEETS: u64 = 60;
-/// Parts of the life at which forecasts are asked.
+/// Ages at which forecasts are asked of the lives that last longer, in median lives of the type: when a question comes has
+/// nothing to do with when that life will end.
 const ASKED: [f64; 3] = [0.1, 0.25, 0.5];
 /// Known others, and known earlier lives of the same actuator.
 const KNOWN: [(usize, usize); 8] = [(0, 0), (1, 0), (3, 0), (10, 0), (30, 0), (100, 0), (0, 2), (30, 2)];
@@ -109,17 +110,22 @@ fn main() {
                 others[..n].iter().for_each(|tally| add(&mut sum, tally));
                 let prior = Fleet::new(&sum, &earlier[..own]).map_or(LifePrior::Watched, LifePrior::Fleet);
                 for (cell, part) in row.iter_mut().zip(ASKED) {
-                    cell.push(vec![scored(&observations, part * end, end, prior.clone())]);
+                    let at = part * kind.median.exp();
+                    if at < end {
+                        cell.push((scored(&observations, at, end, prior.clone()), kind.median.exp()));
+                    }
                 }
             }
         }
     }
-    println!("others  earlier lives  asked at  MRA    nCRPS  90 % coverage");
+    println!("others  earlier lives  asked at  forecasts  MRA    CRPS over median life  90 % coverage");
     for (row, (n, own)) in table.iter().zip(KNOWN) {
         for (cell, part) in row.iter().zip(ASKED) {
-            let figures = figures(cell, &Criteria::default()).expect("forecasts");
-            let coverage = figures.coverage_90;
-            println!("{n:6} {own:14} {part:9} {:6.3} {:6.3} {coverage:6.3}", figures.mra, figures.ncrps);
+            let crps = cell.iter().map(|(scored, median)| scored.crps() / median).sum::<f64>() / cell.len() as f64;
+            let scored: Vec<_> = cell.iter().map(|(scored, _)| vec![scored.clone()]).collect();
+            let Figures { forecasts, mra, coverage_90, .. } =
+                figures(&scored, &Criteria::default()).expect("forecasts");
+            println!("{n:6} {own:14} {part:9} {forecasts:10} {mra:6.3} {crps:6.3} {coverage_90:22.3}");
         }
     }
     cost();
