@@ -116,5 +116,5 @@ function dates({ forecast, use_rate: rate }, unit) {
     return forecast.dates[level] ? [day(forecast.dates[level]), `at ${place}`] : [place, "no date"];
   };
   const use = rate.per_day === null ? ["unknown", rate.reason] : [`${amount(rate.per_day)} a day`, `${unit}, recent rate`];
-  return h("dl", { class: "dates" }, DATED.map(([level, name]) => cell(name, ...end(level))), cell("Use", ...use));
+  return h("dl", { class: "dates" }, DATED.map(([level, name]) => cell(name, ...end(level))), cell("Rate of use", ...use));
 }

@@ -270,6 +270,7 @@ function listen() {
   byId("rows").addEventListener("keydown", onRowKey);
   byId("tail").addEventListener("change", (event) => { state.filter.tail = event.target.value; render(); });
   byId("text").addEventListener("input", (event) => { state.filter.text = event.target.value.trim(); render(); });
+  byId("alarm").addEventListener("click", () => location.hash === "#/alerts" && follow());
   byId("skip").addEventListener("click", (event) => { event.preventDefault(); byId("detail").focus(); });
 }
 

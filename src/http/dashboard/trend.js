@@ -2,7 +2,7 @@
 
 import { verticals } from "./chart.js";
 import { h, s } from "./dom.js";
-import { amount, counted, unitName, when } from "./format.js";
+import { amount, counted, fixed, unitName, when } from "./format.js";
 import { HEIGHT, axes, drawing, plotFigure, viewOf } from "./plot.js";
 
 // The plot grows to at most so many middle medians: what an early forecast says beyond that runs out of it.
@@ -75,7 +75,7 @@ function topOf(lives, stops) {
 }
 
 function frame({ stops, events, top }, width) {
-  const plot = { left: 58, right: width - 14, top: 32, bottom: HEIGHT - 38 };
+  const plot = { left: 28 + 6 * Math.max(fixed(top, 0).length, 5), right: width - 14, top: 32, bottom: HEIGHT - 38 };
   const usages = [...stops, ...events].map((each) => each.usage);
   const [first, last] = [Math.min(...usages), Math.max(...usages)];
   const span = last - first || Math.max(last, 1) * 0.5;
