@@ -1,6 +1,6 @@
 //! Feeding the fleet to the service: registrations, a replacement, and a trace for every flight.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::thread;
 use std::time::Duration;
 
@@ -29,12 +29,12 @@ pub struct Tally {
     pub failed: usize,
 }
 
-/// Registers the fleet, flies every flight that the service does not have yet, and waits for every job.
+/// Registers the fleet, flies every flight that the service does not have yet, and waits for every job. A part is replaced
+/// when the flights before are estimated, so that the service sees of it what it would have seen at the time.
 pub fn feed(client: &Client) -> anyhow::Result<Tally> {
     let unfinished = unfinished(client)?;
     wait(client, unfinished, &ProgressBar::hidden())?;
     let ids = register(client)?;
-    maintain(client, &ids)?;
     let missing = missing(client, &ids)?;
     let bars = MultiProgress::new();
     let bar = |what: &'static str| {
@@ -45,21 +45,35 @@ pub fn feed(client: &Client) -> anyhow::Result<Tally> {
     };
     let (uploads, estimates) = (bar("flights simulated"), bar("faults estimated"));
     let set = ParameterSet::reference();
-    let (succeeded, failed) = thread::scope(|scope| {
-        let (sent, jobs) = std::sync::mpsc::channel();
-        let waiting = scope.spawn(|| wait(client, jobs, &estimates));
-        missing.par_iter().try_for_each_with(sent, |sent, &(index, flight)| {
-            let job = fly(client, &set, &ids[FLEET[index].serial_number], index, flight)?;
-            uploads.inc(1);
-            // The receiver is gone only when waiting has failed, which is told below.
-            let _ = sent.send(job);
-            anyhow::Ok(())
+    let mut tally = Tally { actuators: FLEET.len(), flights: FLEET.len() * FLIGHTS as usize, ..Tally::default() };
+    let replacements: BTreeSet<u32> = FLEET.iter().filter_map(|member| member.replaced_before).collect();
+    let mut rest = &missing[..];
+    for end in replacements.into_iter().chain([FLIGHTS]) {
+        let (now, later) = rest.split_at(rest.partition_point(|&(_, flight)| flight < end));
+        let (succeeded, failed) = thread::scope(|scope| {
+            let (sent, jobs) = std::sync::mpsc::channel();
+            let waiting = scope.spawn(|| wait(client, jobs, &estimates));
+            for flight in now.chunk_by(|a, b| a.1 == b.1) {
+                flight.par_iter().try_for_each_with(sent.clone(), |sent, &(index, flight)| {
+                    let job = fly(client, &set, &ids[FLEET[index].serial_number], index, flight)?;
+                    uploads.inc(1);
+                    // The receiver is gone only when waiting has failed, which is told below.
+                    let _ = sent.send(job);
+                    anyhow::Ok(())
+                })?;
+            }
+            drop(sent);
+            waiting.join().map_err(|_| anyhow::anyhow!("waiting for the jobs ended early"))?
         })?;
-        waiting.join().map_err(|_| anyhow::anyhow!("waiting for the jobs ended early"))?
-    })?;
+        tally = Tally { succeeded: tally.succeeded + succeeded, failed: tally.failed + failed, ..tally };
+        for member in FLEET.iter().filter(|member| member.replaced_before == Some(end)) {
+            replace(client, &ids[member.serial_number], end)?;
+        }
+        rest = later;
+    }
     uploads.finish();
     estimates.finish();
-    Ok(Tally { actuators: FLEET.len(), flights: FLEET.len() * FLIGHTS as usize, succeeded, failed })
+    Ok(tally)
 }
 
 /// The jobs of an earlier demo that have not ended.
@@ -88,18 +102,13 @@ fn register(client: &Client) -> anyhow::Result<HashMap<String, String>> {
     Ok(ids)
 }
 
-/// Reports the replacements that the service does not know of.
-fn maintain(client: &Client, ids: &HashMap<String, String>) -> anyhow::Result<()> {
-    for member in FLEET {
-        let path = format!("/v1/actuators/{}/maintenance", ids[member.serial_number]);
-        if let Some(before) = member.replaced_before
-            && client.list(&path)?.is_empty()
-        {
-            let (at, usage) = replaced(before);
-            let note = "demagnetising fast; part changed";
-            let event = json!({"kind": "replaced", "at": at.to_string(), "usage": usage, "note": note});
-            client.post(&path, &event)?;
-        }
+/// Reports the replacement of an actuator's part, unless the service knows of it.
+fn replace(client: &Client, id: &str, before: u32) -> anyhow::Result<()> {
+    let path = format!("/v1/actuators/{id}/maintenance");
+    if client.list(&path)?.is_empty() {
+        let (at, usage) = replaced(before);
+        let note = "demagnetising fast; part changed";
+        client.post(&path, &json!({"kind": "replaced", "at": at.to_string(), "usage": usage, "note": note}))?;
     }
     Ok(())
 }

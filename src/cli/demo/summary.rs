@@ -1,10 +1,14 @@
-//! The fleet's ranking, printed.
+//! The fleet's ranking and what is worth a look, printed.
 
 use serde_json::Value;
 
-use super::client::Client;
+use super::client::{Client, text};
+use crate::models::fault::FDJ_NOMINAL_N;
 
-/// Prints the fleet, riskiest first.
+/// A fault that has gone less than this part of the way to its threshold has not grown to speak of.
+const SLIGHT: f64 = 0.1;
+
+/// Prints the fleet, riskiest first, and the actuators whose pages are worth a look.
 pub fn print(client: &Client) -> anyhow::Result<()> {
     let rows = client.list("/v1/fleet/health?sort=risk")?;
     println!(
@@ -25,7 +29,42 @@ pub fn print(client: &Client) -> anyhow::Result<()> {
             row["risk"]["probability"].as_f64().map_or("-".into(), |p| format!("{:.1} %", 100.0 * p)),
         );
     }
+    print_worth_a_look(client, &rows)
+}
+
+/// Prints which actuators have open alerts, which began a new life, and which are healthy.
+fn print_worth_a_look(client: &Client, rows: &[Value]) -> anyhow::Result<()> {
+    let (mut open, mut renewed, mut healthy) = (Vec::new(), Vec::new(), Vec::new());
+    for alert in client.list("/v1/alerts?state=open")? {
+        open.push(format!("{} ({})", text(&alert, "serial_number")?, text(&alert, "kind")?));
+    }
+    open.sort();
+    for row in rows {
+        let (serial_number, id) = (text(row, "serial_number")?, text(row, "actuator_id")?);
+        let events = client.list(&format!("/v1/actuators/{id}/maintenance"))?;
+        if let Some(event) = events.iter().rfind(|event| event["kind"] == "replaced") {
+            let cleared = client.list(&format!("/v1/actuators/{id}/alerts?state=cleared"))?;
+            let by_it = cleared.iter().filter(|alert| alert["cleared_because"] == "maintenance").count();
+            let usage = number(&event["usage"], 0);
+            renewed.push(format!("{serial_number} (replaced at {usage} h; alerts cleared by that: {by_it})"));
+        }
+        if is_healthy(row) {
+            healthy.push(serial_number.to_owned());
+        }
+    }
+    println!();
+    for (what, which) in [("Open alerts", open), ("New life", renewed), ("Healthy", healthy)] {
+        println!("{what:<11}  {}", if which.is_empty() { "none".to_owned() } else { which.join(", ") });
+    }
     Ok(())
+}
+
+/// Whether neither fault has grown to speak of.
+fn is_healthy(row: &Value) -> bool {
+    [("kgm", 0.0), ("fdj_n", FDJ_NOMINAL_N)].iter().all(|&(fault, new)| {
+        let grown = |of: &str| row[of][fault].as_f64().map(|level| level - new);
+        grown("newest").zip(grown("thresholds")).is_some_and(|(level, threshold)| level < SLIGHT * threshold)
+    })
 }
 
 fn number(value: &Value, decimals: usize) -> String {

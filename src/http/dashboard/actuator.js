@@ -1,30 +1,41 @@
 /** One actuator: the answer, the charts, the history, maintenance, and where the figures come from. */
 
-import { badge, command } from "./fleet.js";
+import { alertEntries } from "./alerts.js";
+import { byUrgency, head } from "./answer.js";
 import { h, reconcile } from "./dom.js";
 import { figureOf } from "./figure.js";
-import { FAULTS, amount, faultGrowth, faultLimit, faultSpread, faultValue, fixed, interval90, median, percent, unitName, when } from "./format.js";
-import { statusOf } from "./status.js";
-import { lifeStrip } from "./strip.js";
+import { command } from "./fleet.js";
+import { FAULTS, amount, faultLimit, faultSpread, faultValue, fixed, percent, unitName, when } from "./format.js";
+import { noTrend, trendFigure } from "./trend.js";
 
 const HISTORY_AT_FIRST = 12;
 const HISTORY_MORE = 50;
 
-/** Draws `detail {record, history, life, maintenance, truncated}` into a container; `open` is how many records its table shows. */
-export function drawActuator(container, detail, open, showMore) {
-  const { record, history, life, maintenance } = detail;
+/**
+ * Draws `detail {record, history, life, maintenance, trend, alerts, truncated}` into a container; `view` is `{open, answers}`: how many
+ * records its table shows, and the acknowledgements under way; `act` its callbacks.
+ */
+export function drawActuator(container, detail, view, act) {
+  const { record, history, life, maintenance, trend, alerts } = detail;
   const starts = maintenance.filter((event) => event.kind !== "inspected").map((event) => event.usage);
   const lifeStart = Math.max(-Infinity, ...starts);
-  const shown = open || HISTORY_AT_FIRST;
-  const grown = sinceNew(history, lifeStart);
+  const shown = view.open || HISTORY_AT_FIRST;
+  const told = alertEntries(alerts, view.answers, act.acknowledge);
+  const urgent = alerts.problem !== null || alerts.items.some((alert) => alert.state !== "cleared");
+  const some = history.length > 0;
+  const trended = trend.items.length > 1;
   reconcile(container, [
-    { key: "head", data: [record, life, history.at(-1), grown], draw: () => head(record, life, history, grown) },
-    ...(history.length === 0 ? [{ key: "none", data: record.id, draw: () => noRecords(record) }] : []),
-    ...(history.length === 0 ? [] : byUrgency(life)).map((fault) => {
+    { key: "head", data: [record, life, history, lifeStart], draw: () => head(record, life, history, lifeStart) },
+    ...(urgent ? told : []),
+    ...(some ? byUrgency(life) : []).map((fault) => {
       const model = modelOf(fault, detail, lifeStart);
       return { key: fault.value, data: model, draw: () => figureOf(model) };
     }),
-    ...(history.length === 0 ? [] : [{ key: "history", data: [history, shown, lifeStart], draw: () => historyTable(detail, shown, lifeStart, showMore) }]),
+    ...(some && trended ? [{ key: "trend", data: [trend, maintenance], draw: () => trendFigure(trend.items, maintenance, record.usage_unit) }] : []),
+    ...(some && !trended ? [{ key: "no-trend", data: trend.problem?.detail ?? null, draw: () => noTrend(trend.problem) }] : []),
+    ...(some ? [] : [{ key: "none", data: record.id, draw: () => noRecords(record) }]),
+    ...(urgent ? [] : told),
+    ...(some ? [{ key: "history", data: [history, shown, lifeStart], draw: () => historyTable(detail, shown, lifeStart, act.showMoreHistory) }] : []),
     { key: "maintenance", data: maintenance, draw: () => maintenanceList(record, maintenance) },
     { key: "facts", data: [record, life], draw: () => facts(record, life) },
   ]);
@@ -50,74 +61,6 @@ function modelOf(fault, { record, history, life, maintenance }, lifeStart) {
   };
 }
 
-/**
- * The faults in the order in which their thresholds are likely to be passed: the limiting one first. As in the fleet's
- * order, risks are compared in whole percents.
- */
-function byUrgency(life) {
-  const percent = (risk) => Math.round(100 * (risk?.probability ?? 0));
-  const rank = ({ forecast, risk }) => (forecast
-    ? [forecast.reached ? 0 : 1, -percent(risk), forecast.quantiles["0.5"] ?? Infinity, forecast.quantiles["0.05"] ?? Infinity]
-    : [2]);
-  return Object.values(FAULTS).toSorted((a, b) => {
-    const [left, right] = [a, b].map((fault) => rank(life.faults[fault.value]));
-    const differing = left.findIndex((value, index) => value !== right[index]);
-    return differing < 0 ? 0 : left[differing] - right[differing];
-  });
-}
-
-/** The way back to the list, where the list is not beside the actuator. */
-export function back() {
-  return h("a", { class: "back", href: "#/" }, "Fleet");
-}
-
-/** The growth since the baseline of this life, of the newest record that tells it: `Since delivery: KGM +0.050 ± 0.002, ...`. */
-function sinceNew(history, lifeStart) {
-  const told = (item) => !(item.usage < lifeStart) && Object.values(FAULTS).some(({ value }) => item[`${value}_growth`] !== null);
-  const newest = history.findLast(told);
-  if (!newest) return "";
-  const parts = Object.values(FAULTS).filter(({ value }) => newest[`${value}_growth`] !== null)
-    .map((fault) => `${fault.symbol} ${faultGrowth(fault, newest[`${fault.value}_growth`], newest[`${fault.value}_growth_std`])}`);
-  return `Since ${lifeStart > -Infinity ? "this life began" : "delivery"}: ${parts.join(", ")}.`;
-}
-
-function head(record, life, history, grown) {
-  const status = statusOf({ remaining_life: life.forecast, risk: life.risk });
-  return h("header", { class: "detail-head" },
-    back(),
-    h("p", { class: "identity" }, h("b", {}, record.serial_number), h("span", {}, record.tail_number), h("span", {}, record.location), badge(status)),
-    ...headline(life, history, unitName(record.usage_unit)),
-    grown && h("p", { class: "because" }, grown),
-    life.forecast && !life.forecast.reached && life.forecast.quantiles["0.05"] !== null && lifeStrip(life.forecast, life.risk, unitName(record.usage_unit)));
-}
-
-function headline(life, history, unit) {
-  const { forecast, risk } = life;
-  if (!forecast) return [h("h2", {}, "No forecast yet"), h("p", { class: "because" }, life.reasons.join("; ") || "There are too few conclusive records.")];
-  const [fault] = byUrgency(life);
-  const limit = life.faults[fault.value].forecast && `Limiting fault: ${fault.name} (${fault.symbol}).`;
-  const chance = risk && `${percent(risk.probability)} likely to pass within ${amount(risk.within)} ${unit}.`;
-  const asOf = `As of ${amount(life.usage)} ${unit}${life.as_of ? `, ${when(life.as_of)}` : ""}.`;
-  if (forecast.reached) {
-    const passed = Object.values(FAULTS).filter(({ value }) => life.faults[value].forecast?.reached);
-    return [
-      h("h2", { class: "past" }, ["Past its threshold", passed.map(({ name }) => name).join(" and ")].filter(Boolean).join(": ")),
-      h("p", { class: "because" }, [...passed.map((each) => measured(each, history, life.faults[each.value].threshold)), asOf].join(" ")),
-    ];
-  }
-  return [
-    h("h2", {}, "Median remaining life ", h("span", { class: "together" }, `${median(forecast)} ${unit}`), " ",
-      forecast.quantiles["0.05"] !== null && h("span", { class: "interval" }, `(90 %: ${interval90(forecast)})`)),
-    h("p", { class: "because" }, [limit, chance, asOf].filter(Boolean).join(" ")),
-    life.reasons.length > 0 && h("p", { class: "because" }, life.reasons.join("; ")),
-  ].filter(Boolean);
-}
-
-function measured(fault, history, limit) {
-  const newest = history.findLast((item) => item[fault.value] !== null);
-  return newest ? `${fault.symbol} ${faultValue(fault, newest[fault.value])} against ${faultLimit(fault, limit)}.` : "";
-}
-
 function noRecords(record) {
   const query = `recorded_at=${new Date().toISOString().slice(0, 10)}T00:00:00Z&usage=10`;
   return h("div", { class: "empty" },
@@ -138,7 +81,7 @@ function historyTable({ record, history, truncated }, shown, lifeStart, showMore
   });
   return h("section", { class: "block" },
     h("h3", {}, "History"),
-    h("div", { class: "scroller", tabindex: 0, role: "region", "aria-label": "History table" }, h("table", {},
+    h("div", { class: "scroller", tabindex: 0, role: "region", "aria-label": "History table" }, h("table", { class: "records" },
       h("thead", {}, h("tr", {}, heads.map((text) => h("th", { scope: "col" }, text)))),
       h("tbody", {}, rows))),
     left > 0 && h("button", { type: "button", class: "quiet wide", "data-focus": "more-history", onclick: () => showMore(shown + HISTORY_MORE) }, more),
@@ -171,7 +114,7 @@ function maintenanceList(record, maintenance) {
 function facts(record, life) {
   const path = `/v1/actuators/${encodeURIComponent(record.id)}`;
   const pair = (name, value) => h("div", {}, h("dt", {}, name), h("dd", {}, value));
-  const raw = { actuator: path, health: `${path}/health?limit=500`, "remaining life": `${path}/remaining-life`, baseline: `${path}/baseline`, maintenance: `${path}/maintenance` };
+  const raw = { actuator: path, health: `${path}/health?limit=500`, "remaining life": `${path}/remaining-life`, trend: `${path}/remaining-life/trend?limit=500`, alerts: `${path}/alerts`, baseline: `${path}/baseline`, maintenance: `${path}/maintenance` };
   const models = life.forecast?.models ?? [];
   return h("section", { class: "block" },
     h("h3", {}, "Particulars"),

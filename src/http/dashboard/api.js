@@ -1,4 +1,4 @@
-/** Reading the service's JSON: conditional requests, paging, problem documents. */
+/** The service's JSON: conditional requests, paging, changes, problem documents. */
 
 const TIMEOUT_MS = 15_000;
 const PAGES_MAX = 20;
@@ -11,11 +11,25 @@ export class Problem extends Error {
   }
 }
 
+/** What failed, as a problem. */
+export function asProblem(error) {
+  return error instanceof Problem ? error : new Problem({ status: 0, title: "The dashboard failed", detail: String(error) });
+}
+
 /** One JSON document. `no-cache` lets the browser answer a 304 from its own copy. */
-export async function get(path) {
+export function get(path) {
+  return ask(path, { headers: { Accept: "application/json" }, cache: "no-cache" });
+}
+
+/** Changes a record, and answers what it is now. */
+export function patch(path, body) {
+  return ask(path, { method: "PATCH", headers: { Accept: "application/json", "Content-Type": "application/json" }, body: JSON.stringify(body) });
+}
+
+async function ask(path, options) {
   let response;
   try {
-    response = await fetch(path, { headers: { Accept: "application/json" }, cache: "no-cache", signal: AbortSignal.timeout(TIMEOUT_MS) });
+    response = await fetch(path, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
   } catch (error) {
     const late = error.name === "TimeoutError";
     throw new Problem({
@@ -50,4 +64,13 @@ export async function getAll(path, pagesMax = PAGES_MAX) {
     if (cursor === null || cursor === undefined) return { items, truncated: false };
   }
   return { items, truncated: true };
+}
+
+/** As `getAll`, with the failure as `problem`: for what the page can do without. */
+export async function tryAll(path, pagesMax = PAGES_MAX) {
+  try {
+    return { ...await getAll(path, pagesMax), problem: null };
+  } catch (error) {
+    return { items: [], truncated: false, problem: asProblem(error) };
+  }
 }

@@ -1,9 +1,9 @@
 /** A fault against usage: observations, threshold, forecast, crossing quantiles, maintenance. */
 
 import { s } from "./dom.js";
-import { amount, faultLimit, fixed } from "./format.js";
+import { amount, faultLimit } from "./format.js";
+import { HEIGHT, axes, drawing, viewOf } from "./plot.js";
 
-const HEIGHT = 286;
 const LANE = 13;
 const TABULAR = 1.04;
 
@@ -22,17 +22,6 @@ function widthOf(text, weight = 400) {
   return ruler.measureText(text).width * TABULAR;
 }
 
-/** Round tick values inside `low..high`, about `count` of them. */
-export function ticks(low, high, count) {
-  const raw = (high - low) / count;
-  const power = 10 ** Math.floor(Math.log10(raw));
-  const step = [1, 2, 2.5, 5, 10].map((factor) => factor * power).find((candidate) => candidate >= raw);
-  const values = [];
-  for (let index = Math.ceil(low / step); index * step <= high + step * 1e-9; index += 1) values.push(index * step || 0);
-  const decimals = [0, 1, 2, 3].find((count) => Math.abs(step * 10 ** count - Math.round(step * 10 ** count)) < 1e-9) ?? 4;
-  return { values, decimals };
-}
-
 /** The scales of a chart `width` wide: data ranges, plot rectangle, and the maps `x` and `y` to pixels. */
 export function frame(model, width) {
   const { points, band, forecast, limit, events } = model;
@@ -48,38 +37,17 @@ export function frame(model, width) {
     limit * 1.12,
   ];
   const range = { x: [first - span * 0.02, last], y: [0, Math.max(...heights) * 1.03] };
-  return {
-    width, height: HEIGHT, plot, range,
-    x: (usage) => plot.left + ((usage - range.x[0]) / (range.x[1] - range.x[0])) * (plot.right - plot.left),
-    y: (value) => plot.bottom - ((value - range.y[0]) / (range.y[1] - range.y[0])) * (plot.bottom - plot.top),
-  };
+  return viewOf(width, plot, range);
 }
 
 /** The whole drawing; `id` names its clip path and is unique on the page. */
 export function drawChart(model, view, id, label) {
-  const { plot, width, height } = view;
-  return s("svg", { class: "chart", viewBox: `0 0 ${width} ${height}`, width, height, role: "img", "aria-label": label },
-    s("defs", {}, s("clipPath", { id }, s("rect", { x: plot.left, y: plot.top, width: plot.right - plot.left, height: plot.bottom - plot.top }))),
-    axes(model, view),
+  return drawing(view, id, label,
+    axes(view, `usage [${model.unit}]`, model.fault.axis),
     s("g", { "clip-path": `url(#${id})` }, forecast(model, view), observations(model, view)),
     threshold(model, view),
     verticals(model, view),
-    model.forecast && !model.forecast.reached && crossings(model, view),
-    s("g", { class: "cross" }));
-}
-
-function axes(model, { plot, range, x, y }) {
-  const across = ticks(...range.x, Math.max(3, Math.floor((plot.right - plot.left) / 65)));
-  const up = ticks(...range.y, 6);
-  const bottom = HEIGHT - 6;
-  return s("g", { class: "axes" },
-    up.values.map((value) => s("line", { class: "grid", x1: plot.left, x2: plot.right, y1: y(value), y2: y(value) })),
-    up.values.map((value) => s("text", { x: plot.left - 8, y: y(value) + 4, "text-anchor": "end" }, fixed(value, up.decimals))),
-    across.values.map((value) => s("line", { class: "tick", x1: x(value), x2: x(value), y1: plot.bottom, y2: plot.bottom + 4 })),
-    across.values.map((value) => s("text", { x: x(value), y: plot.bottom + 16, "text-anchor": "middle" }, fixed(value, across.decimals))),
-    s("line", { class: "base", x1: plot.left, x2: plot.right, y1: plot.bottom, y2: plot.bottom }),
-    s("text", { class: "title", x: (plot.left + plot.right) / 2, y: bottom, "text-anchor": "middle" }, model.unit),
-    s("text", { class: "title", transform: `translate(12 ${(plot.top + plot.bottom) / 2}) rotate(-90)`, "text-anchor": "middle" }, model.fault.axis));
+    model.forecast && !model.forecast.reached && crossings(model, view));
 }
 
 function forecast({ band }, { x, y }) {
@@ -111,7 +79,7 @@ function threshold({ fault, limit }, { plot, y }) {
 }
 
 /** Maintenance and the present, labelled above the plot in two lanes; a label without room is left to the read-out and the list. */
-function verticals({ events, now }, { plot, range, x }) {
+export function verticals({ events, now }, { plot, range, x }) {
   const lines = [...events.map((event) => ({ ...event, text: `${event.kind} ${amount(event.usage)}` })), { kind: "now", usage: now, text: `now ${amount(now)}` }]
     .filter(({ usage }) => usage >= range.x[0] && usage <= range.x[1]);
   const taken = [[], []];

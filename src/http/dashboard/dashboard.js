@@ -1,10 +1,12 @@
 /** The page's one owner of state: it polls, follows the address, and hands the state to the views. */
 
-import { back, drawActuator } from "./actuator.js";
-import { Problem, get, getAll } from "./api.js";
+import { drawActuator } from "./actuator.js";
+import { fleetAlerts, tally } from "./alerts.js";
+import { back } from "./answer.js";
+import { asProblem, get, getAll, patch, tryAll } from "./api.js";
 import { byId, h, reconcile, refill } from "./dom.js";
 import { drawFleet, onRowKey } from "./fleet.js";
-import { clock, percent } from "./format.js";
+import { clock, counted, percent } from "./format.js";
 import { statusOf, summary } from "./status.js";
 
 const POLL_MS = 5_000;
@@ -15,9 +17,9 @@ const FLEET_PAGES_MAX = 4;
 const DESK = matchMedia("(min-width: 1360px)");
 
 const state = {
-  rows: null, truncated: false, jobs: null, updated: null, problem: null, failures: 0,
+  rows: null, truncated: false, alerts: null, allAlerts: false, jobs: null, updated: null, problem: null, failures: 0,
   filter: { tail: "", text: "", statuses: new Set() }, shown: ROWS_AT_FIRST,
-  chosen: null, preview: null, detail: null, detailProblem: null, historyShown: 0, asked: {},
+  chosen: null, preview: null, detail: null, detailProblem: null, historyShown: 0, asked: {}, answers: new Map(),
 };
 let timer = null;
 let polling = false;
@@ -38,6 +40,31 @@ const act = {
     state.shown += count;
     render();
   },
+  showMoreHistory(count) {
+    state.historyShown = count;
+    renderDetail();
+  },
+  async acknowledge(id, note) {
+    const answer = (more) => {
+      state.answers.set(id, { note, pending: false, problem: null, ...more });
+      renderDetail();
+    };
+    answer({ pending: true });
+    try {
+      const now = await patch(`/v1/alerts/${encodeURIComponent(id)}`, { state: "acknowledged", note });
+      const replaced = (list) => list && { ...list, items: list.items.map((alert) => (alert.id === id ? now : alert)) };
+      state.alerts = replaced(state.alerts);
+      if (state.detail) state.detail.alerts = replaced(state.detail.alerts);
+      state.answers.delete(id);
+      render();
+      byId("told").textContent = `The alert of ${now.serial_number} is acknowledged.`;
+      byId("detail").querySelector(`[data-focus="acknowledge-${CSS.escape(id)}-done"]`)?.focus({ preventScroll: true });
+    } catch (error) {
+      answer({ problem: asProblem(error) });
+    }
+    state.asked = {};
+    refreshDetail();
+  },
 };
 
 async function poll() {
@@ -56,10 +83,11 @@ async function poll() {
 
 async function readFleet() {
   try {
-    const [fleet, running, queued] = await Promise.all([
+    const [fleet, running, queued, open, acknowledged] = await Promise.all([
       getAll("/v1/fleet/health?sort=risk&limit=500", FLEET_PAGES_MAX), get("/v1/jobs?state=running&limit=50"), get("/v1/jobs?state=queued&limit=50"),
+      tryAll("/v1/alerts?state=open&limit=500", 1), tryAll("/v1/alerts?state=acknowledged&limit=500", 1),
     ]);
-    Object.assign(state, { rows: fleet.items, truncated: fleet.truncated, jobs: { running, queued }, updated: new Date(), problem: null, failures: 0 });
+    Object.assign(state, { rows: fleet.items, truncated: fleet.truncated, alerts: together(open, acknowledged), jobs: { running, queued }, updated: new Date(), problem: null, failures: 0 });
     const listed = fleet.items.some((row) => row.actuator_id === state.preview);
     if (!listed) state.preview = fleet.items[0]?.actuator_id ?? null;
   } catch (error) {
@@ -68,13 +96,15 @@ async function readFleet() {
   }
 }
 
+/** Two lists of alerts as one, newest first. */
+function together(one, other) {
+  const items = [...one.items, ...other.items].sort((a, b) => b.raised_at.localeCompare(a.raised_at));
+  return { items, truncated: one.truncated || other.truncated, problem: one.problem ?? other.problem };
+}
+
 function pause() {
   const backedOff = Math.min(POLL_MS * 2 ** Math.max(state.failures - 1, 0), POLL_MAX_MS);
   return Math.max(backedOff, (state.problem?.retryAfterS ?? 0) * 1000);
-}
-
-function asProblem(error) {
-  return error instanceof Problem ? error : new Problem({ status: 0, title: "The dashboard failed", detail: String(error) });
 }
 
 /** Reads the selected actuator again when its fleet row changed, or after a while. */
@@ -84,17 +114,20 @@ async function refreshDetail() {
   const row = JSON.stringify(state.rows?.find((item) => item.actuator_id === id) ?? null);
   const { id: askedId, row: askedRow, at } = state.asked;
   if (askedId === id && askedRow === row && Date.now() - at < DETAIL_MAX_AGE_MS) return;
-  state.asked = { id, row, at: Date.now() };
+  const asked = { id, row, at: Date.now() };
+  state.asked = asked;
+  const stale = () => selected() !== id || state.asked !== asked;
   const path = `/v1/actuators/${encodeURIComponent(id)}`;
   try {
-    const [record, health, life, maintenance] = await Promise.all([
+    const [record, health, life, maintenance, trend, alerts] = await Promise.all([
       get(path), getAll(`${path}/health?limit=500`), get(`${path}/remaining-life`), getAll(`${path}/maintenance?limit=500`),
+      tryAll(`${path}/remaining-life/trend?limit=500`), tryAll(`${path}/alerts?limit=100`, 1),
     ]);
-    if (selected() !== id) return;
-    state.detail = { record, history: health.items, truncated: health.truncated, life, maintenance: maintenance.items };
+    if (stale()) return;
+    state.detail = { record, history: health.items, truncated: health.truncated, life, maintenance: maintenance.items, trend, alerts };
     state.detailProblem = null;
   } catch (error) {
-    if (selected() !== id) return;
+    if (stale()) return;
     state.detailProblem = asProblem(error);
   }
   renderDetail();
@@ -108,6 +141,7 @@ function render() {
     byId("fleet").hidden = false;
     const pieces = summary(state.rows);
     refill(byId("summary"), pieces, () => pieces.map(({ text, tone }) => h("span", { "data-tone": tone }, text)));
+    renderAlerts();
     drawFleet({ ...state, selected: selected() }, act);
   } else if (state.problem) {
     refill(byId("summary"), "unread", () => "The fleet could not be read");
@@ -115,6 +149,15 @@ function render() {
     byId("fleet").hidden = true;
   }
   renderDetail();
+}
+
+function renderAlerts() {
+  const { alerts, allAlerts } = state;
+  byId("alerts").hidden = state.rows.length === 0;
+  refill(byId("alerts"), [alerts, alerts.problem?.detail, allAlerts], () => fleetAlerts(alerts, allAlerts, () => { state.allAlerts = true; render(); }));
+  byId("alarm").hidden = alerts.items.length === 0;
+  byId("alarm").textContent = counted(alerts.items.length, "alert");
+  byId("alarm").title = tally(alerts.items);
 }
 
 function renderLive() {
@@ -172,10 +215,7 @@ function renderDetail() {
   document.title = titleOf();
   if (id === null) return;
   if (state.detail?.record.id === id) {
-    drawActuator(pane, state.detail, state.historyShown, (count) => {
-      state.historyShown = count;
-      renderDetail();
-    });
+    drawActuator(pane, state.detail, { open: state.historyShown, answers: state.answers }, act);
   } else if (state.detailProblem) {
     const problem = state.detailProblem;
     reconcile(pane, [{ key: "problem", data: problemData(problem), draw: () => h("div", {}, back(), h("div", { class: "notice" }, problemPieces(problem))) }]);
@@ -201,6 +241,7 @@ function unescaped(text) {
   }
 }
 
+/** `#/actuators/ID` is an actuator, `#/alerts` the fleet's alerts, all else the fleet. */
 function follow() {
   const match = location.hash.match(/^#\/actuators\/(.+)$/);
   const before = selected();
@@ -215,6 +256,10 @@ function follow() {
     scrollTo(0, 0);
     if (state.chosen) byId("detail").focus({ preventScroll: true });
   }
+  if (location.hash === "#/alerts") {
+    byId("alerts").scrollIntoView({ block: "nearest" });
+    byId("alerts").focus({ preventScroll: true });
+  }
   refreshDetail();
 }
 
@@ -225,6 +270,7 @@ function listen() {
   byId("rows").addEventListener("keydown", onRowKey);
   byId("tail").addEventListener("change", (event) => { state.filter.tail = event.target.value; render(); });
   byId("text").addEventListener("input", (event) => { state.filter.text = event.target.value.trim(); render(); });
+  byId("alarm").addEventListener("click", () => location.hash === "#/alerts" && follow());
   byId("skip").addEventListener("click", (event) => { event.preventDefault(); byId("detail").focus(); });
 }
 

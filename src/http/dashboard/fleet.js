@@ -82,7 +82,7 @@ function rowOf(row, scale) {
       Object.values(FAULTS).map((fault) => measure(row, fault)),
       lifeCell(row, scale),
       h("span", { class: "risk" }, row.risk ? percent(row.risk.probability) : "–", row.risk && h("small", {}, ` in ${amount(row.risk.within)} ${unitName(row.usage_unit)}`)),
-      h("span", { class: "status" }, badge(status))));
+      h("span", { class: "status" }, badge(status), row.alerts_open > 0 && h("span", { class: "flag" }, counted(row.alerts_open, "alert")))));
 }
 
 function measure({ newest, thresholds }, fault) {
@@ -117,6 +117,7 @@ function spoken(row, status) {
     life && (life.reached ? "Past its threshold." : `Median remaining life ${median(life)} ${unit}, 90 % interval ${interval90(life)}.`),
     row.risk && `${percent(row.risk.probability)} likely to pass within ${amount(row.risk.within)} ${unit}.`,
     ...values,
+    row.alerts_open > 0 && `${counted(row.alerts_open, "alert")} not cleared.`,
   ].filter(Boolean).join(" ");
 }
 

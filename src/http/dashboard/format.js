@@ -69,6 +69,11 @@ export function faultLimit(fault, value, withUnit = true) {
   return fixed(value, ...fault.limitDecimals) + (withUnit && fault.unit ? NBSP + fault.unit : "");
 }
 
+/** A text as a sentence: with a capital and a full stop. */
+export function sentence(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1) + (/[.!?]$/.test(text) ? "" : ".");
+}
+
 /** `flight_hours` as `flight hours`. */
 export function unitName(unit) {
   return unit.replaceAll("_", " ");
@@ -88,6 +93,11 @@ export function counted(count, one, many = `${one}s`) {
 export function when(time) {
   const parsed = new Date(time);
   return Number.isNaN(parsed.getTime()) ? String(time) : `${parsed.toISOString().slice(0, 16).replace("T", " ")}${NBSP}Z`;
+}
+
+/** The day of an RFC 3339 time, `2026-03-01`. */
+export function day(time) {
+  return when(time).slice(0, 10);
 }
 
 /** The time of day of a `Date`, `14:05:09 Z`. */

@@ -1,8 +1,8 @@
 /** The remaining life of one actuator as a scale from now on. */
 
-import { ticks } from "./chart.js";
 import { h, s } from "./dom.js";
 import { fixed } from "./format.js";
+import { ticks } from "./plot.js";
 
 /** A linear scale with the 90 % and 50 % intervals, the median and the risk window. */
 export function lifeStrip({ quantiles, horizon }, risk, unit) {

@@ -22,6 +22,8 @@ const INDEX: &str = include_str!("../dashboard/index.html");
 /// The page's other files: name, media type, content.
 const ASSETS: &[(&str, &str, &str)] = &[
     ("actuator.js", SCRIPT, include_str!("../dashboard/actuator.js")),
+    ("alerts.js", SCRIPT, include_str!("../dashboard/alerts.js")),
+    ("answer.js", SCRIPT, include_str!("../dashboard/answer.js")),
     ("api.js", SCRIPT, include_str!("../dashboard/api.js")),
     ("chart.js", SCRIPT, include_str!("../dashboard/chart.js")),
     ("dashboard.js", SCRIPT, include_str!("../dashboard/dashboard.js")),
@@ -31,10 +33,12 @@ const ASSETS: &[(&str, &str, &str)] = &[
     ("format.js", SCRIPT, include_str!("../dashboard/format.js")),
     ("gauges.js", SCRIPT, include_str!("../dashboard/gauges.js")),
     ("icon.svg", SVG, include_str!("../dashboard/icon.svg")),
+    ("plot.js", SCRIPT, include_str!("../dashboard/plot.js")),
     ("status.js", SCRIPT, include_str!("../dashboard/status.js")),
     ("strip.js", SCRIPT, include_str!("../dashboard/strip.js")),
     ("style.css", CSS, include_str!("../dashboard/style.css")),
     ("theme.js", SCRIPT, include_str!("../dashboard/theme.js")),
+    ("trend.js", SCRIPT, include_str!("../dashboard/trend.js")),
 ];
 
 /// The routes of the dashboard.
