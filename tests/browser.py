@@ -98,7 +98,7 @@ class Browser:
 
     def show(self, size, scheme, path, ready):
         """Opens a page at a size in a colour scheme, and waits until something is there."""
-        self.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=False)
+        self.call("Emulation.setDeviceMetricsOverride", width=size[0], height=size[1], deviceScaleFactor=1, mobile=size[0] < 500)
         self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         self.call("Page.navigate", url="about:blank")
         self.call("Page.navigate", url=PAGE + path)
@@ -208,6 +208,7 @@ def main():
         actuator(browser, SIZES[0], "light", ids["EHSA-1003"], "outlier")
         noted = browser.eval(text("[data-key=fdj_n] .noted"))
         assert "usage 640 lies" in noted, f"the outlier is not told: found {noted}"
+        assert browser.eval("document.querySelectorAll('.observations .outlier').length") == 1, "the outlier is not marked"
         acknowledge(browser, ids["EHSA-2001"])
         assert not browser.errors, f"the page has errors: {browser.errors}"
     finally:

@@ -177,24 +177,23 @@ impl History {
         let mut history = self.clone();
         let found = change::find(&mut history.points);
         let start = start(observations, question);
+        // The usage of an observation, to the bit, also where some were averaged.
+        let observed = |usage: f64| {
+            let nearest = |a: &f64, b: &f64| (a - usage).abs().total_cmp(&(b - usage).abs());
+            observations.iter().map(|o| o.usage).min_by(nearest).unwrap_or(usage)
+        };
         let mut changes: Vec<Change> = found
             .iter()
             .map(|found| Change {
                 kind: found.kind,
-                usage: start + history.points[found.index].usage * self.scale,
+                usage: observed(start + history.points[found.index].usage * self.scale),
                 size: found.size * self.distance,
             })
             .collect();
         let Some(renewal) = found.iter().rposition(|found| found.kind == ChangeKind::Renewal) else {
             return Ok((history, changes));
         };
-        // The usage of an observation, to the bit, where none were averaged.
-        let usage = changes[renewal].usage;
-        let nearest =
-            observations.iter().map(|o| o.usage).min_by(|a, b| (a - usage).abs().total_cmp(&(b - usage).abs()));
-        let usage = nearest.unwrap_or(usage);
-        changes[renewal].usage = usage;
-        let since = Question { life_start: Some(usage), ..question.clone() };
+        let since = Question { life_start: Some(changes[renewal].usage), ..question.clone() };
         let (renewed, later) = Self::new(observations, &since)?.without_changes(observations, &since)?;
         changes.truncate(renewal + 1);
         changes.extend(later);

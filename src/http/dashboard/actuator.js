@@ -57,6 +57,7 @@ function modelOf(fault, { record, history, life, maintenance }, lifeStart) {
     band: forecast.band ?? [],
     forecast: forecast.forecast,
     reasons: forecast.reasons,
+    changes: forecast.changes,
     events: maintenance.map(({ kind, usage }) => ({ kind, usage })),
   };
 }

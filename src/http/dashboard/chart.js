@@ -46,7 +46,7 @@ export function drawChart(model, view, id, label) {
     axes(view, `usage [${model.unit}]`, model.fault.axis),
     s("g", { "clip-path": `url(#${id})` }, forecast(model, view), observations(model, view)),
     threshold(model, view),
-    verticals(model, view),
+    verticals({ now: model.now, events: [...model.events, ...model.changes.filter(({ kind }) => kind !== "outlier")] }, view),
     model.forecast && !model.forecast.reached && crossings(model, view));
 }
 
@@ -61,14 +61,20 @@ function forecast({ band }, { x, y }) {
     s("path", { class: "middle", d: `M${path(band.map((point) => [point.usage, point.median]))}` }));
 }
 
-function observations({ points }, { plot, x, y }) {
+/** Whether the forecast takes an observation for an outlier. */
+export function isOutlier(point, changes) {
+  return !point.earlier && point.value !== null && changes.some(({ kind, usage }) => kind === "outlier" && usage === point.usage);
+}
+
+function observations({ points, changes }, { plot, x, y }) {
   return s("g", { class: "observations" }, points.map((point) => {
     const at = x(point.usage);
     const tone = point.earlier ? "earlier" : "current";
     if (point.value === null) return s("path", { class: `missing ${tone}`, d: `M${at - 3} ${plot.bottom - 9}l6 6m0-6l-6 6` });
     return s("g", { class: tone },
       point.std && s("line", { x1: at, x2: at, y1: y(point.value - point.std), y2: y(point.value + point.std) }),
-      s("circle", { cx: at, cy: y(point.value), r: 2.5 }));
+      s("circle", { cx: at, cy: y(point.value), r: 2.5 }),
+      isOutlier(point, changes) && s("circle", { class: "outlier", cx: at, cy: y(point.value), r: 7 }));
   }));
 }
 

@@ -1,12 +1,12 @@
 /** The figure of one fault: its chart, its text summary and what its read-out says. */
 
-import { drawChart, frame } from "./chart.js";
+import { drawChart, frame, isOutlier } from "./chart.js";
 import { h } from "./dom.js";
 import { amount, counted, faultLimit, faultSpread, faultValue, interval90, median, sentence, when } from "./format.js";
 import { plotFigure } from "./plot.js";
 
 /**
- * The figure of one fault. `model` is `{fault, unit, limit, now, reach, points, band, forecast, reasons, events}`;
+ * The figure of one fault. `model` is `{fault, unit, limit, now, reach, points, band, forecast, reasons, changes, events}`;
  * `reach` is how far ahead of now the usage axis looks;
  * a point is `{usage, value, std, recorded_at, earlier}`.
  */
@@ -31,7 +31,7 @@ function stopsOf({ points, band }) {
   return [...points, ...ahead].sort((a, b) => a.usage - b.usage || Boolean(a.ahead) - Boolean(b.ahead));
 }
 
-function said(stop, { fault, unit }) {
+function said(stop, { fault, unit, changes }) {
   const value = (level) => faultValue(fault, level);
   const place = h("span", {}, `${stop.ahead ? "forecast at" : "at"} ${amount(stop.usage)} ${unit}`);
   if (stop.ahead) return [h("b", {}, value(stop.value)), h("span", {}, `90 %: ${faultValue(fault, stop.low, false)} to ${value(stop.high)}`), place];
@@ -39,7 +39,7 @@ function said(stop, { fault, unit }) {
   if (stop.value === null) return [h("b", {}, "inconclusive"), place, time];
   return [
     h("b", {}, value(stop.value)), stop.std !== null && h("span", {}, `± ${faultSpread(fault, stop.std)}`),
-    place, time, stop.earlier && h("span", {}, "earlier life"),
+    place, time, stop.earlier && h("span", {}, "earlier life"), isOutlier(stop, changes) && h("span", {}, "outlier"),
   ].filter(Boolean);
 }
 

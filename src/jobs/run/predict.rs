@@ -15,7 +15,7 @@ use super::fleet::{self, KnownLives, LearntFrom};
 use super::{Compute, panic_text, trend};
 use crate::jobs::JobSettings;
 use crate::jobs::alerts::{self, AlertSettings, Evidence};
-use crate::prognostics::{BandPoint, FLEET_MODEL, Forecast, Prognosis, PrognosisError, competing};
+use crate::prognostics::{BandPoint, Change, FLEET_MODEL, Forecast, Prognosis, PrognosisError, competing};
 use crate::store::records::{self, Actuator, FleetShare, ForecastRecord, Id, UsageUnit};
 use crate::store::{LifeHistory, Records, StoreError, WithForecast};
 
@@ -121,6 +121,8 @@ pub struct FaultForecast {
     pub act_by: Option<ActBy>,
     /// The 90 % band of the fault's level ahead.
     pub band: Vec<BandPoint>,
+    /// Where the history is not smooth: outliers, steps, and falls as after maintenance that was not reported.
+    pub changes: Vec<Change>,
     /// The other lives that this one is expected to be like.
     pub learnt_from: LearntFrom,
 }
@@ -333,11 +335,21 @@ impl Answers<'_> {
                 act_by: self.act_by(&prognosis),
                 reasons: prognosis.reasons,
                 band: prognosis.band,
+                changes: prognosis.changes,
                 learnt_from,
             },
             Err(error) => {
-                let (reasons, band) = (vec![error.to_string()], Vec::new());
-                FaultForecast { threshold, forecast: None, reasons, risk: None, act_by: None, band, learnt_from }
+                let (reasons, band, changes) = (vec![error.to_string()], Vec::new(), Vec::new());
+                FaultForecast {
+                    threshold,
+                    forecast: None,
+                    reasons,
+                    risk: None,
+                    act_by: None,
+                    band,
+                    changes,
+                    learnt_from,
+                }
             }
         }
     }
