@@ -1,6 +1,7 @@
 //! The program itself: `elevon serve` as a process, told by arguments and signals.
 
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
 use std::time::Instant;
@@ -110,6 +111,54 @@ fn issue_2_kill_9_loses_no_acknowledged_upload_and_ends_every_job_exactly_once()
     let rows: Vec<_> = rows.map(|row| (row["trace_id"].as_str().unwrap(), row["job_id"].as_str().unwrap())).collect();
     let expected: Vec<_> = acknowledged.iter().map(|(trace, job)| (trace.as_str(), job.as_str())).collect();
     assert_eq!(rows, expected, "every trace once, in the order of recording");
+}
+
+/// One delivery as it was posted, and the connection that waits for its answer.
+fn posted(receiver: &TcpListener) -> (String, String, TcpStream) {
+    let (stream, _) = receiver.accept().unwrap();
+    let mut reader = BufReader::new(stream.try_clone().unwrap());
+    let (mut id, mut length) = (String::new(), 0);
+    loop {
+        let mut line = String::new();
+        reader.read_line(&mut line).unwrap();
+        let Some((name, value)) = line.trim_end().split_once(": ") else {
+            if line.trim_end().is_empty() {
+                break;
+            }
+            continue;
+        };
+        match name {
+            "webhook-id" => id = value.to_owned(),
+            "content-length" => length = value.parse().unwrap(),
+            _ => {}
+        }
+    }
+    let mut body = vec![0; length];
+    reader.read_exact(&mut body).unwrap();
+    (id, String::from_utf8(body).unwrap(), stream)
+}
+
+#[test]
+fn a_delivery_under_way_when_the_process_is_killed_is_posted_again_with_its_id_and_kept_as_delivered() {
+    let data = tempfile::tempdir().unwrap();
+    let receiver = TcpListener::bind("127.0.0.1:0").unwrap();
+    let mut first = Process::start(data.path());
+    let body = json!({"url": format!("http://{}/hook", receiver.local_addr().unwrap())});
+    let hook = first.post("/v1/webhooks", "application/json", &body.to_string());
+    let hook = format!("/v1/webhooks/{}", hook["id"].as_str().unwrap());
+    let ping = first.post(&format!("{hook}/test"), "application/json", "");
+    let (id, body, _unanswered) = posted(&receiver);
+    assert_eq!(ping["delivery"]["id"], id.as_str());
+    first.child.kill().unwrap();
+    first.child.wait().unwrap();
+
+    let second = Process::start(data.path());
+    let (again, same, mut stream) = posted(&receiver);
+    assert_eq!((again, same), (id, body));
+    stream.write_all(b"HTTP/1.1 204 No Content\r\n\r\n").unwrap();
+    let deliveries = format!("{hook}/deliveries");
+    second.wait_until("the delivery", |service| service.get(&deliveries)["items"][0]["state"] == "delivered");
+    assert_eq!(second.get(&deliveries)["items"].as_array().unwrap().len(), 1);
 }
 
 #[test]
