@@ -5,7 +5,7 @@ import { byUrgency, head } from "./answer.js";
 import { h, reconcile } from "./dom.js";
 import { figureOf } from "./figure.js";
 import { command } from "./fleet.js";
-import { FAULTS, amount, faultLimit, faultSpread, faultValue, fixed, percent, unitName, when } from "./format.js";
+import { FAULTS, amount, counted, faultLimit, faultSpread, faultValue, fixed, percent, unitName, when } from "./format.js";
 import { noTrend, trendFigure } from "./trend.js";
 
 const HISTORY_AT_FIRST = 12;
@@ -112,6 +112,12 @@ function maintenanceList(record, maintenance) {
       h("b", {}, event.kind), h("span", {}, `at ${amount(event.usage)} ${unitName(record.usage_unit)}, ${when(event.at)}`), event.note && h("p", {}, event.note)))));
 }
 
+/** The other lives that a fault's forecast is expected to be like. */
+function learntFrom({ actuators, earlier_lives: earlier }) {
+  const lives = [actuators > 0 && counted(actuators, "other actuator"), earlier > 0 && counted(earlier, "earlier life", "earlier lives")];
+  return lives.filter(Boolean).join(", ") || "its own history alone";
+}
+
 function facts(record, life) {
   const path = `/v1/actuators/${encodeURIComponent(record.id)}`;
   const pair = (name, value) => h("div", {}, h("dt", {}, name), h("dd", {}, value));
@@ -122,6 +128,7 @@ function facts(record, life) {
     h("dl", { class: "facts" },
       Object.values(FAULTS).map((fault) => pair(`${fault.symbol} threshold`, faultLimit(fault, record.thresholds[fault.value]))),
       pair("Parameter set", record.parameter_set), pair("Registered", when(record.created_at)),
+      life.forecast && Object.values(FAULTS).map((fault) => pair(`${fault.symbol} learnt from`, learntFrom(life.faults[fault.value].learnt_from))),
       models.length > 0 && pair("Forecast models", models.join(", ")),
       life.forecast && pair("Beyond the horizon", `${percent(life.forecast.probability_beyond_horizon)} after ${amount(life.forecast.horizon)} ${unitName(record.usage_unit)}`),
       pair("Identifier", h("code", {}, record.id))),
