@@ -221,6 +221,23 @@ impl Jobs {
         predict::forecast(self.records.as_ref(), self.compute.clone(), actuator, &self.settings).await
     }
 
+    /// Makes the forecast of an actuator whose history or thresholds have changed, beside whatever else goes on: alerts and the
+    /// fleet do not wait for somebody to read it.
+    pub fn forecast_soon(&self, actuator: Id) {
+        let jobs = self.clone();
+        self.tasks.spawn(async move {
+            let made = async {
+                if let Some(actuator) = jobs.records.actuator(actuator).await? {
+                    jobs.forecast(&actuator).await?;
+                }
+                Ok::<_, StoreError>(())
+            };
+            if let Err(error) = made.await {
+                tracing::warn!(actuator_id = %actuator, error = causes(&error), "forecast left to its next reader");
+            }
+        });
+    }
+
     /// The remaining life of an actuator as it is served, with the risk within other usage ahead and at another risk to act
     /// than the service's own, where they are told. The stored one answers the service's own; others are made anew and not
     /// stored.
@@ -239,7 +256,7 @@ impl Jobs {
         if asked == own {
             return Ok(self.forecast(actuator).await?.document);
         }
-        let (predicted, _) = predict::made(self.records.as_ref(), self.compute.clone(), actuator, &asked).await?;
+        let (predicted, ..) = predict::made(self.records.as_ref(), self.compute.clone(), actuator, &asked).await?;
         Ok(predict::document(&predicted.life))
     }
 

@@ -160,8 +160,8 @@ pub struct FleetRow {
 
 /// Where records are kept. What a method acknowledged survives a kill and a loss of power.
 ///
-/// An actuator's `revision` grows by one with every change to its history (an estimate, an exclusion, a maintenance event) or its
-/// thresholds, so that a stored forecast can be told from a stale one.
+/// An actuator's `revision` grows by one with every change to its history (an estimate, an exclusion, a maintenance event), its
+/// thresholds or the name of its parameter set, so that a stored forecast can be told from a stale one.
 #[async_trait]
 pub trait Records: Send + Sync {
     /// Answers when the records can be read and a transaction that writes can begin; for the readiness probe.
@@ -171,7 +171,8 @@ pub trait Records: Send + Sync {
     async fn insert_actuator(&self, actuator: &Actuator) -> Result<(), StoreError>;
     /// One actuator.
     async fn actuator(&self, id: Id) -> Result<Option<Actuator>, StoreError>;
-    /// Changes an actuator, and returns it as it is now. Its revision grows when a threshold becomes another.
+    /// Changes an actuator, and returns it as it is now. Its revision grows when a threshold or the parameter set's name becomes
+    /// another.
     async fn change_actuator(&self, id: Id, update: &ActuatorUpdate) -> Result<Option<Actuator>, StoreError>;
     /// Actuators in the order of their registration.
     async fn actuators(&self, page: &Page) -> Result<Paged<Actuator>, StoreError>;

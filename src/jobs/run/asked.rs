@@ -5,6 +5,11 @@ use crate::prognostics::{Direction, LifePrior, Observation, Prognosis, Prognosis
 use crate::store::LifeHistory;
 use crate::store::records::{Actuator, HealthRecord};
 
+/// A part whose life no event began counts as seen from new where its first observation comes within this many risk windows
+/// of usage, and within this part of the way to the threshold, two standard deviations apart.
+const NEW_WINDOWS: f64 = 10.0;
+const NEW_LEVEL: f64 = 0.1;
+
 /// A value and its standard deviation.
 type Figure = (Option<f64>, Option<f64>);
 
@@ -45,6 +50,16 @@ impl AskedFault {
             prior,
         };
         remaining_life(&self.observations(&life.records), &question)
+    }
+
+    /// Whether a life is known from its beginning. Where traces begin with a part in service, its life counts from the first of
+    /// them, and can be compared with none.
+    pub fn is_seen_from_new(&self, life: &LifeHistory) -> bool {
+        let near_new = |first: &Observation| {
+            let level = (first.value - 2.0 * first.std.unwrap_or(0.0) - self.healthy) / (self.threshold - self.healthy);
+            first.usage <= NEW_WINDOWS * self.risk_window && level < NEW_LEVEL
+        };
+        life.life_start_usage.is_some() || self.observations(&life.records).first().is_none_or(near_new)
     }
 
     /// What was observed, in the order of usage.

@@ -20,12 +20,12 @@ const EARLIER_MAX: usize = 4;
 pub struct KnownLives {
     /// What the others of its cohorts say, fault by fault.
     pub others: [FleetTally; 2],
-    /// The earlier lives of the same actuator, in their order.
+    /// The earlier lives of the same actuator of which something was recorded, the newest first.
     pub earlier: Vec<LifeHistory>,
 }
 
 /// The lives that a forecast rests on beside the one that it is about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ToSchema)]
 pub struct LearntFrom {
     /// Other actuators of its parameter set, with its usage unit and this fault's threshold.
     pub actuators: u64,
@@ -33,13 +33,24 @@ pub struct LearntFrom {
     pub earlier_lives: usize,
 }
 
-/// Reads what is known beside the history of an actuator's current life.
-pub(super) async fn known(records: &dyn Records, actuator: &Actuator) -> Result<KnownLives, StoreError> {
-    let mut lives = baselines::lives(records, actuator.id).await?;
-    lives.pop();
+/// Reads what is known beside the history of a life of an actuator: of the actuator, what ended before that life began.
+pub(super) async fn known(
+    records: &dyn Records,
+    actuator: &Actuator,
+    history: &LifeHistory,
+) -> Result<KnownLives, StoreError> {
     let mut earlier = Vec::new();
-    for life in &lives[lives.len().saturating_sub(EARLIER_MAX)..] {
-        earlier.push(life_records(records, actuator.id, life, life.end).await?);
+    if let Some(began) = history.life_started_at {
+        for life in baselines::lives(records, actuator.id).await?.iter().rev() {
+            if life.end.is_none_or(|end| end > began) {
+                continue;
+            }
+            let ended = life_records(records, actuator.id, life, life.end).await?;
+            earlier.extend(Some(ended).filter(|ended| !ended.records.is_empty()));
+            if earlier.len() == EARLIER_MAX {
+                break;
+            }
+        }
     }
     let [kgm, fdj_n] = AskedFault::all(actuator, 0.0).map(|fault| cohort(actuator, &fault));
     let others = [records.fleet_tally(&kgm, actuator.id).await?, records.fleet_tally(&fdj_n, actuator.id).await?];
@@ -53,14 +64,17 @@ fn cohort(actuator: &Actuator, fault: &AskedFault) -> String {
     format!("model {FLEET_MODEL}, {set}, {unit}, {name} from {healthy} to {threshold}")
 }
 
-/// What the earlier lives of an actuator say of the length of its lives. One whose history cannot be used says nothing.
+/// What the earlier lives of an actuator say of the length of its lives. One that was not seen from new, or whose history cannot
+/// be used, says nothing.
 pub(super) fn evidence(earlier: &[LifeHistory], fault: &AskedFault) -> Vec<LifeEvidence> {
-    earlier.iter().filter_map(|life| fault.of(life, LifePrior::Watched).ok()?.evidence).collect()
+    let whole = earlier.iter().filter(|life| fault.is_seen_from_new(life));
+    whole.filter_map(|life| fault.of(life, LifePrior::Watched).ok()?.evidence).collect()
 }
 
-/// The prior of a life after what the others say and the actuator's earlier lives.
-pub(super) fn prior(others: &FleetTally, earlier: &[LifeEvidence]) -> LifePrior {
-    Fleet::new(&others.tally, earlier).map_or(LifePrior::Watched, LifePrior::Fleet)
+/// The prior of a life after what the others say and the actuator's earlier lives, and what it rests on.
+pub(super) fn prior(others: &FleetTally, earlier: &[LifeEvidence]) -> (LifePrior, LearntFrom) {
+    let prior = Fleet::new(&others.tally, earlier).map_or(LifePrior::Watched, LifePrior::Fleet);
+    (prior, LearntFrom { actuators: others.actuators, earlier_lives: earlier.len() })
 }
 
 /// What the lives of an actuator say of those of its cohort.

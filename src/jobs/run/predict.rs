@@ -15,9 +15,12 @@ use super::fleet::{self, KnownLives, LearntFrom};
 use super::{Compute, panic_text, trend};
 use crate::jobs::JobSettings;
 use crate::jobs::alerts::{self, AlertSettings, Evidence};
-use crate::prognostics::{BandPoint, Change, FLEET_MODEL, Forecast, Prognosis, PrognosisError, competing};
+use crate::prognostics::{BandPoint, Change, FLEET_MODEL, Forecast, LifePrior, Prognosis, PrognosisError, competing};
 use crate::store::records::{self, Actuator, FleetShare, ForecastRecord, Id, UsageUnit};
 use crate::store::{LifeHistory, Records, StoreError, WithForecast};
+
+/// How often an actuator is read again when its history changes meanwhile.
+const TRIES: usize = 3;
 
 /// What is asked of a forecast beside its quantiles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -140,7 +143,7 @@ pub(in crate::jobs) async fn forecast(
     {
         return Ok(stored);
     }
-    let (Predicted { life, shares }, history) = made(records, compute, actuator, &settings.asked()).await?;
+    let (Predicted { life, shares }, history, actuator) = made(records, compute, actuator, &settings.asked()).await?;
     let forecast = ForecastRecord {
         actuator_id: actuator.id,
         revision: history.revision,
@@ -153,24 +156,42 @@ pub(in crate::jobs) async fn forecast(
     let step = trend::step(forecast.created_at, settings, &life, &history);
     let open = records.open_alerts(actuator.id).await?;
     let evidence = Evidence::of(&history);
-    let alerts = alerts::changes(actuator, &life, &evidence, &open, &settings.alerts, forecast.created_at);
+    let alerts = alerts::changes(&actuator, &life, &evidence, &open, &settings.alerts, forecast.created_at);
     // When the history moved on meanwhile this one is still right for who asked, and whoever moved it makes the next.
     let with = WithForecast { step: step.as_ref(), alerts: &alerts, shares: &shares };
     records.store_forecast_with(&forecast, &with).await?;
     Ok(forecast)
 }
 
-/// The forecast of an actuator now, whatever is stored, and the history that it was made from.
+/// The forecast of an actuator now, whatever is stored, and the history and the actuator that it was made from.
 pub(in crate::jobs) async fn made(
     records: &dyn Records,
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
     asked: &RiskQuestion,
-) -> Result<(Predicted, LifeHistory), StoreError> {
-    let unknown = LifeHistory { revision: actuator.revision, ..LifeHistory::default() };
-    let history = records.life_history(actuator.id).await?.unwrap_or(unknown);
-    let known = fleet::known(records, actuator).await?;
-    Ok(computed(compute, actuator, history, known, asked).await)
+) -> Result<(Predicted, LifeHistory, Actuator), StoreError> {
+    let (actuator, history) = as_they_are(records, actuator).await?;
+    let known = fleet::known(records, &actuator, &history).await?;
+    let (predicted, history) = computed(compute, &actuator, history, known, asked).await;
+    Ok((predicted, history, actuator))
+}
+
+/// An actuator and the history of its life, both of one revision. If it goes on changing they bear the older one's, so that
+/// what is made from them is not kept.
+async fn as_they_are(records: &dyn Records, known: &Actuator) -> Result<(Actuator, LifeHistory), StoreError> {
+    let mut actuator = known.clone();
+    let mut history = LifeHistory { revision: actuator.revision, ..LifeHistory::default() };
+    for _ in 0..TRIES {
+        let Some(read) = records.life_history(actuator.id).await? else { break };
+        history = read;
+        if history.revision == actuator.revision {
+            break;
+        }
+        let Some(changed) = records.actuator(actuator.id).await? else { break };
+        actuator = changed;
+    }
+    history.revision = history.revision.min(actuator.revision);
+    Ok((actuator, history))
 }
 
 /// Computes a forecast where that may take its time.
@@ -208,7 +229,7 @@ pub(in crate::jobs) async fn fill_trend(
     }
     let Some(place) = history.records.iter().position(|record| record.trace_id == trace) else { return Ok(()) };
     history.records.truncate(place + 1);
-    let known = fleet::known(records, actuator).await?;
+    let known = fleet::known(records, actuator, &history).await?;
     let (Predicted { life, .. }, history) = computed(compute, actuator, history, known, &settings.asked()).await;
     match trend::step(records::now(), settings, &life, &history) {
         Some(step) => records.fill_trend(&step).await.map(drop),
@@ -266,11 +287,17 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, known: &KnownLives, a
     let faults = AskedFault::all(actuator, asked.risk_window);
     let mut shares = Vec::new();
     let [kgm, fdj_n] = [0, 1].map(|i| {
-        let (fault, others, started) = (faults[i], &known.others[i], Instant::now());
+        let (fault, started) = (faults[i], Instant::now());
         let mut lives = fleet::evidence(&known.earlier, &fault);
-        let learnt_from = LearntFrom { actuators: others.actuators, earlier_lives: lives.len() };
-        let prognosis = fault.of(history, fleet::prior(others, &lives));
-        lives.extend(prognosis.as_ref().ok().and_then(|prognosis| prognosis.evidence.clone()));
+        let comparable = fault.is_seen_from_new(history);
+        let (prior, learnt_from) = if comparable {
+            fleet::prior(&known.others[i], &lives)
+        } else {
+            (LifePrior::Watched, LearntFrom::default())
+        };
+        let prognosis = fault.of(history, prior);
+        let own = prognosis.as_ref().ok().and_then(|prognosis| prognosis.evidence.clone());
+        lives.extend(own.filter(|_| comparable));
         shares.push(fleet::share(actuator, &fault, &lives));
         Told { fault, prognosis, learnt_from, elapsed_s: started.elapsed().as_secs_f64() }
     });

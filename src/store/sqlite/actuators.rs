@@ -15,7 +15,8 @@ const ONE: &str = "SELECT id, serial_number, tail_number, location, parameter_se
 const CHANGE: &str = "UPDATE actuators SET parameter_set = coalesce(?2, parameter_set),
     parameter_set_hash = coalesce(?3, parameter_set_hash),
     threshold_kgm = coalesce(?4, threshold_kgm), threshold_fdj_n = coalesce(?5, threshold_fdj_n),
-    revision = revision + ((coalesce(?4, threshold_kgm), coalesce(?5, threshold_fdj_n)) <> (threshold_kgm, threshold_fdj_n))
+    revision = revision + ((coalesce(?2, parameter_set), coalesce(?4, threshold_kgm), coalesce(?5, threshold_fdj_n))
+    <> (parameter_set, threshold_kgm, threshold_fdj_n))
     WHERE id = ?1";
 pub(super) const LIST: &str = "SELECT id, serial_number, tail_number, location, parameter_set, parameter_set_hash,
     threshold_kgm, threshold_fdj_n, usage_unit, created_at, revision FROM actuators WHERE id > ?1 ORDER BY id LIMIT ?2";

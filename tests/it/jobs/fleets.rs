@@ -4,8 +4,8 @@ use elevon::jobs::run::Models;
 use elevon::store::records::{Actuator, ActuatorUpdate, Id, MaintenanceKind};
 use serde_json::{Value, json};
 
-use super::bench::{Bench, driven};
-use crate::store_contract::samples::{maintained, measured, registered};
+use super::bench::{Bench, csv, driven};
+use crate::store_contract::samples::{all, maintained, measured, registered};
 
 /// Measures KGM every 250 hours in a life that begins at a usage and ends after as many hours, up to a part of it.
 async fn aged(bench: &Bench, actuator: Id, start: i64, life: i64, part: f64) {
@@ -87,4 +87,55 @@ async fn what_is_learnt_of_an_ended_life_follows_its_history() {
     let after = told().await;
     assert_ne!(before.tally, after.tally, "a late trace of the ended life");
     assert_eq!(after.actuators, 1);
+}
+
+#[tokio::test]
+async fn a_part_that_was_in_service_before_its_first_trace_neither_teaches_nor_learns() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = worn_fleet(dir.path()).await;
+    let taken_over = registered(&*bench.records, "taken over").await.id;
+    for i in 0..4 {
+        measured(&*bench.records, taken_over, 6000 + 100 * i, Some(0.2 + 0.01 * i as f64)).await;
+    }
+    let alone = forecast(&bench, taken_over).await;
+    assert_eq!(alone["learnt_from"], json!({"actuators": 0, "earlier_lives": 0}));
+    let next = registered(&*bench.records, "next").await.id;
+    measured(&*bench.records, next, 300, Some(0.02)).await;
+    assert_eq!(forecast(&bench, next).await["learnt_from"], json!({"actuators": 5, "earlier_lives": 0}));
+    maintained(&*bench.records, taken_over, MaintenanceKind::Replaced, 7000).await;
+    measured(&*bench.records, taken_over, 7100, Some(0.01)).await;
+    let renewed = forecast(&bench, taken_over).await;
+    assert_eq!(renewed["learnt_from"], json!({"actuators": 6, "earlier_lives": 0}), "an event began this life");
+}
+
+#[tokio::test]
+async fn a_late_trace_of_an_ended_life_is_forecast_without_what_came_after_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = Bench::open(dir.path(), driven(), Models).await;
+    let steps = async |id: Id, later: bool| {
+        aged(&bench, id, 0, 9000, 0.15).await;
+        if later {
+            aged(&bench, id, 1500, 9000 - 1500, 0.9).await;
+            maintained(&*bench.records, id, MaintenanceKind::Replaced, 9000).await;
+            measured(&*bench.records, id, 9100, Some(0.0)).await;
+            forecast(&bench, id).await;
+        }
+        let (late, _) = bench.upload(id, 1400, csv()).await;
+        bench.run_all().await;
+        let steps = bench.records.trend(id, None, None, &all()).await.unwrap().items;
+        steps.into_iter().find(|step| step.trace_id == late.id).unwrap()
+    };
+    let one = registered(&*bench.records, "one").await.id;
+    let cohort =
+        ActuatorUpdate { threshold_kgm: Some(0.39), threshold_fdj_n: Some(990.0), ..ActuatorUpdate::default() };
+    let other = registered(&*bench.records, "other").await.id;
+    bench.records.change_actuator(other, &cohort).await.unwrap();
+    let back = ActuatorUpdate { threshold_kgm: Some(0.4), threshold_fdj_n: Some(1000.0), ..ActuatorUpdate::default() };
+    let first = steps(one, true).await;
+    // The first leaves the cohort, so that the second has nobody to learn from either.
+    bench.records.change_actuator(one, &cohort).await.unwrap();
+    forecast(&bench, one).await;
+    bench.records.change_actuator(other, &back).await.unwrap();
+    let second = steps(other, false).await;
+    assert_eq!(first.faults, second.faults);
 }

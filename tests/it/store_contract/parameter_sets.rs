@@ -81,7 +81,7 @@ pub async fn contract_an_actuator_is_pinned_anew_and_keeps_the_rest(records: Arc
     for actuator in [&changed, &other] {
         records.insert_actuator(actuator).await.unwrap();
     }
-    (changed.parameter_set, changed.parameter_set_hash) = ("mine".into(), "0a".into());
+    (changed.parameter_set, changed.parameter_set_hash, changed.revision) = ("mine".into(), "0a".into(), 1);
     let update = ActuatorUpdate { parameter_set: Some(("mine".into(), "0a".into())), ..ActuatorUpdate::default() };
     assert_eq!(records.change_actuator(changed.id, &update).await.unwrap(), Some(changed.clone()));
     assert_eq!(records.actuators(&all()).await.unwrap().items, [changed, other]);

@@ -38,5 +38,6 @@ pub(super) async fn change_actuator(
     };
     let update = body.check(set)?;
     let changed = app.records.change_actuator(id, &update).await?;
+    app.jobs.forecast_soon(id);
     changed.map(Json).ok_or_else(|| ApiError::not_found("actuator", id))
 }

@@ -37,5 +37,6 @@ pub(super) async fn create_maintenance(
     let actuator = actuator(&app, &id).await?;
     let event = body.check(actuator.id, records::now())?;
     app.records.insert_maintenance(&event).await?;
+    app.jobs.forecast_soon(event.actuator_id);
     Ok(Created { location: format!("/v1/actuators/{}/maintenance", actuator.id), record: event })
 }

@@ -34,5 +34,8 @@ pub(super) async fn change_trace(
     let id = find(&app, &id).await?.id;
     let (excluded, reason) = body.check()?;
     let changed = app.records.exclude_trace(id, excluded, &reason).await?;
+    if let Some(actuator) = changed.as_ref().and_then(|trace| trace.actuator_id) {
+        app.jobs.forecast_soon(actuator);
+    }
     changed.map(Json).ok_or_else(|| ApiError::not_found("trace", id))
 }
