@@ -30,13 +30,17 @@ const EXPONENT: (f64, f64) = (2.0, 0.4);
 const RATES: ((f64, f64), usize) = ((0.1, 10.0), 10);
 /// Cells of the power's exponent, in deviates of its prior.
 const EXPONENTS: ((f64, f64), usize) = ((-2.0, 2.4), 8);
-/// Cells of the life in each fit, and how far they reach, in standard deviations of the growth.
-const LIVES: usize = 24;
+/// Cells of the life in a first look at each fit, how far they reach in standard deviations of the growth, and the parts that
+/// a cell is cut into where the posterior is.
+const LIVES: usize = 10;
 const REACH: f64 = 5.0;
+const PARTS: usize = 4;
+/// A cell is where the posterior is within this of the best in the logarithm, or beside one that is.
+const NEAR: f64 = 5.0;
 /// Bounds of the life, scales.
 const LIFE: (f64, f64) = (0.05, 1e3);
 /// What lies this far below the best in log-likelihood is left out.
-const DROP: f64 = 9.0;
+const DROP: f64 = 7.0;
 /// How many paths stand for the posterior.
 const PATHS: usize = 192;
 /// The prior of the level at the start of the life, threshold distances: its standard deviation where the healthy level is
@@ -113,7 +117,7 @@ struct Candidate {
     shape: Shape,
     now: f64,
     noise: f64,
-    /// Prior times likelihood times width, relative to the best fit.
+    /// Prior times likelihood times width, relative to the best.
     weight: f64,
     /// The same without the prior of the life and the width, and the width in the logarithm of the life.
     likelihood: f64,
@@ -175,10 +179,8 @@ impl<'a> Grid<'a> {
             }
         }
         let best = fits.iter().map(|fit| fit.best + fit.log_prior).fold(f64::NEG_INFINITY, f64::max);
-        let mut candidates = Vec::with_capacity(fits.len() * LIVES);
-        for fit in fits.iter().filter(|fit| fit.best + fit.log_prior > best - DROP) {
-            self.lives(fit, best, &mut candidates);
-        }
+        fits.retain(|fit| fit.best + fit.log_prior > best - DROP);
+        let mut candidates = self.lives(&fits);
         // From logarithms to shares of the best.
         let highest = |of: fn(&Candidate) -> f64| candidates.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         let (weight, likelihood) = (highest(|c| c.weight), highest(|c| c.likelihood));
@@ -241,44 +243,70 @@ impl<'a> Grid<'a> {
         (-0.5 * twice, start, 1.0 / one)
     }
 
-    fn lives(&self, fit: &Fit, best: f64, candidates: &mut Vec<Candidate>) {
+    /// The cells of the life in each fit: a first look at a few, and those near the best, and beside these, in parts.
+    fn lives(&self, fits: &[Fit]) -> Vec<Candidate> {
+        let looks: Vec<[Candidate; LIVES]> = fits
+            .iter()
+            .map(|fit| {
+                let (short, width) = self.reach(fit);
+                std::array::from_fn(|i| self.candidate(fit, short * (width * (i as f64 + 0.5)).exp(), width))
+            })
+            .collect();
+        let best = looks.iter().flatten().map(|c| c.weight).fold(f64::NEG_INFINITY, f64::max);
+        let mut candidates = Vec::with_capacity(looks.len() * LIVES);
+        for (fit, look) in fits.iter().zip(&looks) {
+            for (i, c) in look.iter().enumerate() {
+                let about = &look[i.saturating_sub(1)..(i + 2).min(LIVES)];
+                if about.iter().any(|c| c.weight > best - NEAR) {
+                    let part = |k: usize| (c.width * ((k as f64 + 0.5) / PARTS as f64 - 0.5)).exp();
+                    let width = c.width / PARTS as f64;
+                    candidates.extend((0..PARTS).map(|k| self.candidate(fit, c.life * part(k), width)));
+                } else {
+                    candidates.push(*c);
+                }
+            }
+        }
+        candidates
+    }
+
+    /// The shortest life that a fit reaches to, and the width of a cell in the logarithm.
+    fn reach(&self, fit: &Fit) -> (f64, f64) {
         let (pace, deviation) = fit.pace;
         let (slowest, fastest) = (1.0 / fit.shape.at(LIFE.1), 1.0 / fit.shape.at(LIFE.0));
         let low = (pace - REACH * deviation).clamp(slowest, fastest);
         let high = (pace + REACH * deviation).clamp(slowest, fastest);
         let long = fit.shape.reaches(1.0 / low).min(LIFE.1);
         let short = fit.shape.reaches(1.0 / high).max(LIFE.0);
-        let width = (long / short).ln().max(1e-9) / LIVES as f64;
-        for life in logarithmic((short, long.max(short * (1.0 + 1e-9))), LIVES) {
-            let pace = 1.0 / fit.shape.at(life);
-            let (log_likelihood, start, start_variance) = self.given(&fit.sums, pace);
-            // A start at the threshold or beyond still grows, so that every history has a cell.
-            let rate = pace * (1.0 - start).max(WAY_MIN);
-            let scatter = fit.walk / rate;
-            let life_prior = self.setting.life.log_density(life, self.setting.scale);
-            let mut log = log_likelihood + fit.log_prior - best + width.ln() + life_prior;
-            log += log_density((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
-            if let Shape::Exponential { rate, .. } = fit.shape {
-                log += log_density((rate * life / RATE.0).ln() / RATE.1, RATE.1);
-            }
-            let [wy, w1, wg] = fit.sums.walk;
-            let by_start = 1.0 - pace * fit.now - w1 + pace * wg;
-            let level = pace * fit.now + wy - pace * wg + start * by_start;
-            let variance = fit.sums.walk_variance + by_start * by_start * start_variance;
-            candidates.push(Candidate {
-                shape: fit.shape,
-                now: fit.now,
-                noise: fit.noise,
-                weight: log,
-                likelihood: log - life_prior - width.ln(),
-                width,
-                start,
-                rate,
-                scatter,
-                life,
-                level,
-                variance,
-            });
+        (short, (long / short).ln().max(1e-9) / LIVES as f64)
+    }
+
+    /// The cell of a fit about a life; its weights are logarithms.
+    fn candidate(&self, fit: &Fit, life: f64, width: f64) -> Candidate {
+        let pace = 1.0 / fit.shape.at(life);
+        let (log_likelihood, start, start_variance) = self.given(&fit.sums, pace);
+        // A start at the threshold or beyond still grows, so that every history has a cell.
+        let rate = pace * (1.0 - start).max(WAY_MIN);
+        let scatter = fit.walk / rate;
+        let mut likelihood = log_likelihood + fit.log_prior;
+        likelihood += log_density((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
+        if let Shape::Exponential { rate, .. } = fit.shape {
+            likelihood += log_density((rate * life / RATE.0).ln() / RATE.1, RATE.1);
+        }
+        let [wy, w1, wg] = fit.sums.walk;
+        let by_start = 1.0 - pace * fit.now - w1 + pace * wg;
+        Candidate {
+            shape: fit.shape,
+            now: fit.now,
+            noise: fit.noise,
+            weight: likelihood + width.ln() + self.setting.life.log_density(life, self.setting.scale),
+            likelihood,
+            width,
+            start,
+            rate,
+            scatter,
+            life,
+            level: pace * fit.now + wy - pace * wg + start * by_start,
+            variance: fit.sums.walk_variance + by_start * by_start * start_variance,
         }
     }
 }
@@ -314,12 +342,14 @@ fn monotone(points: &[Point], candidates: &[Candidate], setting: Setting<'_>) ->
 /// Systematic selection, denser among short remaining lives, which small risks are made of; each path gets its level at an
 /// evenly spread deviate.
 fn paths(candidates: &[Candidate], at: f64, monotone: f64) -> Vec<Path> {
-    let boost = |c: &Candidate| 1.0 / (0.02 + (c.life - at).max(0.0));
+    let boost = |c: &Candidate| 1.0 + 1.0 / (0.02 + (c.life - at).max(0.0));
     let total: f64 = candidates.iter().map(|c| c.weight * boost(c)).sum();
     let step = total / PATHS as f64;
     let mut paths: Vec<Path> = Vec::with_capacity(PATHS);
     let (mut sum, mut weights) = (0.0, 0.0);
-    for c in candidates {
+    let mut ordered: Vec<&Candidate> = candidates.iter().collect();
+    ordered.sort_by(|a, b| a.life.total_cmp(&b.life));
+    for c in ordered {
         let boost = boost(c);
         sum += c.weight * boost;
         while paths.len() < PATHS && (paths.len() as f64 + 0.5) * step <= sum {
