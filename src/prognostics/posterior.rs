@@ -6,7 +6,7 @@ use super::filter::{Sums, WALKS, filter};
 use super::fleet::LifeEvidence;
 use super::history::Point;
 use super::law::{Law, Shape};
-use super::normal::{deviate, log_density, spread};
+use super::normal::{deviate, log_density, log_heavy, spread};
 use super::prior::LifePrior;
 
 /// Bounds of the common noise's standard deviation, threshold distances (chosen: from as good as none to the whole way).
@@ -18,9 +18,13 @@ const NOISE_FINE: usize = 6;
 const NOISE_DROP: f64 = 4.0;
 /// Bounds of the walk's variance over one scale, squared threshold distances.
 const WALK: (f64, f64) = (1e-7, 6e-2);
-/// The prior of the walk's variance over the mean growth, threshold distances: log-normal (chosen: a life is some four
-/// hundred independent steps, give or take a factor of two).
-const SCATTER: (f64, f64) = (1.0 / 400.0, std::f64::consts::LN_2);
+/// The prior of the noise's standard deviation, threshold distances: heavy-tailed in the logarithm (chosen: an indicator that
+/// is worth watching is seen to a few hundredths of the way, three in four within a factor of two).
+const NOISE_USUAL: (f64, f64) = (0.02, 0.5);
+/// The prior of the walk's variance over the mean growth, threshold distances: heavy-tailed in the logarithm (chosen: a life
+/// is some four hundred independent steps, three in four within a factor of two; where use is unsteady or damage comes in
+/// bouts it is a few).
+const SCATTER: (f64, f64) = (1.0 / 400.0, 0.5);
 /// The prior of the exponential's rate times its life: log-normal (chosen: the rate of growth is some twenty times as
 /// high at the end as at the beginning).
 const RATE: (f64, f64) = (3.0, 0.4);
@@ -166,8 +170,8 @@ impl<'a> Grid<'a> {
     fn candidates(&self) -> Vec<Candidate> {
         let coarse: Vec<Fit> =
             logarithmic(NOISE, NOISE_COARSE).flat_map(|noise| self.fits(Shape::Linear, 0.0, noise)).collect();
-        let best = coarse.iter().map(|fit| fit.best).fold(f64::NEG_INFINITY, f64::max);
-        let near = |fit: &&Fit| fit.best > best - NOISE_DROP;
+        let best = coarse.iter().map(|fit| fit.best + fit.log_prior).fold(f64::NEG_INFINITY, f64::max);
+        let near = |fit: &&Fit| fit.best + fit.log_prior > best - NOISE_DROP;
         let width = (NOISE.1 / NOISE.0).powf(0.5 / NOISE_COARSE as f64);
         let low = coarse.iter().filter(near).map(|fit| fit.noise).fold(f64::INFINITY, f64::min) / width;
         let high = coarse.iter().filter(near).map(|fit| fit.noise).fold(0.0, f64::max) * width;
@@ -213,6 +217,7 @@ impl<'a> Grid<'a> {
             self.points.iter().map(|p| shape.at(p.usage)).chain(std::iter::once(shape.at(at))).collect();
         let now = growth[self.points.len()];
         let sums = filter(self.points, &growth, noise * noise, &self.walks);
+        let log_prior = log_prior + log_heavy((noise / NOISE_USUAL.0).ln() / NOISE_USUAL.1, NOISE_USUAL.1);
         (0..WALKS).map(move |k| {
             let (pace, best) = self.pace(&sums[k]);
             Fit { shape, log_prior, now, noise, walk: self.walks[k], sums: sums[k], pace, best }
@@ -288,7 +293,7 @@ impl<'a> Grid<'a> {
         let rate = pace * (1.0 - start).max(WAY_MIN);
         let scatter = fit.walk / rate;
         let mut likelihood = log_likelihood + fit.log_prior;
-        likelihood += log_density((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
+        likelihood += log_heavy((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
         if let Shape::Exponential { rate, .. } = fit.shape {
             likelihood += log_density((rate * life / RATE.0).ln() / RATE.1, RATE.1);
         }
