@@ -13,7 +13,7 @@ use super::prior::LifePrior;
 const NOISE: (f64, f64) = (3e-4, 1.0);
 /// Cells of the noise in the first look, and then where it matters.
 const NOISE_COARSE: usize = 14;
-const NOISE_FINE: usize = 6;
+const NOISE_FINE: usize = 5;
 /// The fine cells reach as far as the coarse ones that lie this near the best in log-likelihood.
 const NOISE_DROP: f64 = 4.0;
 /// Bounds of the walk's variance over one scale, squared threshold distances.
@@ -31,9 +31,9 @@ const RATE: (f64, f64) = (3.0, 0.4);
 /// The prior of the power's exponent: log-normal (chosen: damage grows about as the square of usage).
 const EXPONENT: (f64, f64) = (2.0, 0.4);
 /// Cells of the exponential's rate per scale and their bounds.
-const RATES: ((f64, f64), usize) = ((0.1, 10.0), 10);
+const RATES: ((f64, f64), usize) = ((0.1, 10.0), 12);
 /// Cells of the power's exponent, in deviates of its prior.
-const EXPONENTS: ((f64, f64), usize) = ((-2.0, 2.4), 8);
+const EXPONENTS: ((f64, f64), usize) = ((-2.0, 2.4), 10);
 /// Cells of the life in a first look at each fit, how far they reach in standard deviations of the growth, and the parts that
 /// a cell is cut into where the posterior is.
 const LIVES: usize = 10;
