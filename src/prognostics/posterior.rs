@@ -6,7 +6,7 @@ use super::filter::{Sums, WALKS, filter};
 use super::fleet::LifeEvidence;
 use super::history::Point;
 use super::law::{Law, Shape};
-use super::normal::{deviate, log_density, log_heavy, spread};
+use super::normal::{deviate, heavy_cumulative, log_density, log_heavy, spread};
 use super::prior::LifePrior;
 
 /// Bounds of the common noise's standard deviation, threshold distances (chosen: from as good as none to the whole way).
@@ -31,7 +31,7 @@ const RATE: (f64, f64) = (3.0, 0.4);
 /// The prior of the power's exponent: log-normal (chosen: damage grows about as the square of usage).
 const EXPONENT: (f64, f64) = (2.0, 0.4);
 /// Cells of the exponential's rate per scale and their bounds.
-const RATES: ((f64, f64), usize) = ((0.1, 10.0), 12);
+const RATES: ((f64, f64), usize) = ((0.02, 8.0), 14);
 /// Cells of the power's exponent, in deviates of its prior.
 const EXPONENTS: ((f64, f64), usize) = ((-2.0, 2.4), 10);
 /// Cells of the life in a first look at each fit, how far they reach in standard deviations of the growth, and the parts that
@@ -151,6 +151,8 @@ struct Fit {
     now: f64,
     noise: f64,
     walk: f64,
+    /// How far the walk's cell reaches below and above in the logarithm: the first and the last are open.
+    walk_reach: [f64; 2],
     sums: Sums,
     /// The growth per unit of shape over the way to the threshold: the best and its standard deviation.
     pace: (f64, f64),
@@ -218,9 +220,12 @@ impl<'a> Grid<'a> {
         let now = growth[self.points.len()];
         let sums = filter(self.points, &growth, noise * noise, &self.walks);
         let log_prior = log_prior + log_heavy((noise / NOISE_USUAL.0).ln() / NOISE_USUAL.1, NOISE_USUAL.1);
+        let half = 0.5 * (WALK.1 / WALK.0).ln() / WALKS as f64;
+        let reach = move |open: bool| if open { f64::INFINITY } else { half };
         (0..WALKS).map(move |k| {
             let (pace, best) = self.pace(&sums[k]);
-            Fit { shape, log_prior, now, noise, walk: self.walks[k], sums: sums[k], pace, best }
+            let walk_reach = [reach(k == 0), reach(k + 1 == WALKS)];
+            Fit { shape, log_prior, now, noise, walk: self.walks[k], walk_reach, sums: sums[k], pace, best }
         })
     }
 
@@ -291,9 +296,12 @@ impl<'a> Grid<'a> {
         let (log_likelihood, start, start_variance) = self.given(&fit.sums, pace);
         // A start at the threshold or beyond still grows, so that every history has a cell.
         let rate = pace * (1.0 - start).max(WAY_MIN);
-        let scatter = fit.walk / rate;
-        let mut likelihood = log_likelihood + fit.log_prior;
-        likelihood += log_heavy((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
+        // The whole prior of the scatter in the walk's cell, so that the cells of any life share out all of it.
+        let [below, above] = fit.walk_reach;
+        let scatter = (fit.walk / rate).min(if below.is_finite() { f64::INFINITY } else { SCATTER.0 });
+        let middle = (fit.walk / rate / SCATTER.0).ln();
+        let share = heavy_cumulative((middle + above) / SCATTER.1) - heavy_cumulative((middle - below) / SCATTER.1);
+        let mut likelihood = log_likelihood + fit.log_prior + share.max(f64::MIN_POSITIVE).ln();
         if let Shape::Exponential { rate, .. } = fit.shape {
             likelihood += log_density((rate * life / RATE.0).ln() / RATE.1, RATE.1);
         }

@@ -383,3 +383,14 @@ fn a_fleet_helps_the_early_forecasts_of_its_next_part() {
     let (alone, together) = (error(&LifePrior::Watched), error(&LifePrior::Fleet(fleet)));
     assert!(together < 0.5 * alone, "mean error over life: {together} with the fleet, {alone} without");
 }
+
+#[test]
+fn the_heavy_law_has_its_tabled_quantile_and_the_slope_of_its_density() {
+    // Student's law with 3 degrees of freedom has 0.95 at 2.353363.
+    assert!((normal::heavy_cumulative(2.353_363) - 0.95).abs() < 1e-6);
+    for z in [-4.0, -0.5, 0.0, 1.0, 3.0] {
+        let slope = (normal::heavy_cumulative(z + 1e-4) - normal::heavy_cumulative(z - 1e-4)) / 2e-4;
+        assert!((slope.ln() - normal::log_heavy(z, 1.0)).abs() < 1e-6, "{z}");
+    }
+    assert_eq!([f64::NEG_INFINITY, f64::INFINITY].map(|z| normal::heavy_cumulative(z).round()), [0.0, 1.0]);
+}
