@@ -40,7 +40,7 @@ const LIVES: usize = 10;
 const REACH: f64 = 5.0;
 const PARTS: usize = 4;
 /// A cell is where the posterior is within this of the best in the logarithm, or beside one that is.
-const NEAR: f64 = 5.0;
+const NEAR: f64 = 7.0;
 /// Bounds of the life, scales.
 const LIFE: (f64, f64) = (0.05, 1e3);
 /// What lies this far below the best in log-likelihood is left out.
