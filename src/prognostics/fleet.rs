@@ -38,8 +38,9 @@ pub struct LifeEvidence {
 }
 
 impl LifeEvidence {
-    /// Gathers (life in usage, width in logarithm, likelihood) of the cells of a posterior.
-    pub(super) fn gathered(parts: impl Iterator<Item = (f64, f64, f64)>) -> Option<Self> {
+    /// Gathers (life in usage, width in logarithm, likelihood) of the cells of a posterior, which considers no life beyond
+    /// `longest`: what lies beyond is as likely as what lies just before.
+    pub(super) fn gathered(parts: impl Iterator<Item = (f64, f64, f64)>, longest: f64) -> Option<Self> {
         let width = cell_width();
         let mut sums = vec![0.0; CELLS];
         for (life, across, likelihood) in parts {
@@ -50,6 +51,11 @@ impl LifeEvidence {
                 let overlap = high.min(cell as f64 + 1.0) - low.max(cell as f64);
                 sums[cell] += likelihood * overlap.max(0.0) * width;
             }
+        }
+        let beyond = ((longest / LIVES.0).ln() / width).clamp(0.0, CELLS as f64) as usize;
+        if (1..CELLS).contains(&beyond) {
+            let last = sums[beyond - 1];
+            sums[beyond..].fill(last);
         }
         let best = sums.iter().copied().fold(0.0, f64::max);
         (best > 0.0).then(|| Self { likelihood: sums.iter().map(|sum| (sum / best).max(FLOOR)).collect() })

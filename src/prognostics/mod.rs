@@ -25,4 +25,4 @@ pub use fleet::{FLEET_MODEL, Fleet, LifeEvidence, tally};
 pub use forecast::{BandPoint, Forecast, Prognosis, Quantiles};
 pub use history::{Direction, Observation, Problem, PrognosisError, Question};
 pub use prior::LifePrior;
-pub use remaining_life::remaining_life;
+pub use remaining_life::{life_evidence, remaining_life};

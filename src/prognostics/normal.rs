@@ -1,6 +1,6 @@
-//! The standard normal law, and deviates that fill it evenly.
+//! The standard normal law, deviates that fill it evenly, and a law with heavy tails.
 
-use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, SQRT_2};
 
 use statrs::function::erf::{erfc, erfc_inv};
 
@@ -24,6 +24,18 @@ pub(super) fn density(deviate: f64) -> f64 {
 /// The logarithm of a normal density of a standard deviation, at a standard deviate.
 pub(super) fn log_density(deviate: f64, deviation: f64) -> f64 {
     -0.5 * deviate * deviate - deviation.ln() - 0.918_938_533_204_672_8
+}
+
+/// The logarithm of the density of Student's law with 3 degrees of freedom and a scale, at a deviate in scales: as the normal
+/// law near the middle, with heavy tails.
+pub(super) fn log_heavy(deviate: f64, scale: f64) -> f64 {
+    -1.000_888_8 - 2.0 * (deviate * deviate / 3.0).ln_1p() - scale.ln()
+}
+
+/// The distribution function of Student's law with 3 degrees of freedom.
+pub(super) fn heavy_cumulative(deviate: f64) -> f64 {
+    let t = deviate.clamp(-1e6, 1e6) / 3f64.sqrt();
+    0.5 + (t.atan() + t / (1.0 + t * t)) * FRAC_1_PI
 }
 
 /// The standard normal distribution function.

@@ -6,37 +6,45 @@ use super::filter::{Sums, WALKS, filter};
 use super::fleet::LifeEvidence;
 use super::history::Point;
 use super::law::{Law, Shape};
-use super::normal::{deviate, log_density, spread};
+use super::normal::{cumulative, density, deviate, heavy_cumulative, log_density, log_heavy, spread};
 use super::prior::ScaledPrior;
 
 /// Bounds of the common noise's standard deviation, threshold distances (chosen: from as good as none to the whole way).
 const NOISE: (f64, f64) = (3e-4, 1.0);
 /// Cells of the noise in the first look, and then where it matters.
 const NOISE_COARSE: usize = 14;
-const NOISE_FINE: usize = 6;
+const NOISE_FINE: usize = 5;
 /// The fine cells reach as far as the coarse ones that lie this near the best in log-likelihood.
 const NOISE_DROP: f64 = 4.0;
 /// Bounds of the walk's variance over one scale, squared threshold distances.
 const WALK: (f64, f64) = (1e-7, 6e-2);
-/// The prior of the walk's variance over the mean growth, threshold distances: log-normal (chosen: a life is some four
-/// hundred independent steps, give or take a factor of two).
-const SCATTER: (f64, f64) = (1.0 / 400.0, std::f64::consts::LN_2);
+/// The prior of the noise's standard deviation, threshold distances: heavy-tailed in the logarithm (chosen: an indicator that
+/// is worth watching is seen to a few hundredths of the way, three in four within a factor of two).
+const NOISE_USUAL: (f64, f64) = (0.02, 0.5);
+/// The prior of the walk's variance over the mean growth, threshold distances: heavy-tailed in the logarithm (chosen: a life
+/// is some four hundred independent steps, three in four within a factor of two; where use is unsteady or damage comes in
+/// bouts it is a few).
+const SCATTER: (f64, f64) = (1.0 / 400.0, 0.5);
 /// The prior of the exponential's rate times its life: log-normal (chosen: the rate of growth is some twenty times as
 /// high at the end as at the beginning).
 const RATE: (f64, f64) = (3.0, 0.4);
 /// The prior of the power's exponent: log-normal (chosen: damage grows about as the square of usage).
 const EXPONENT: (f64, f64) = (2.0, 0.4);
 /// Cells of the exponential's rate per scale and their bounds.
-const RATES: ((f64, f64), usize) = ((0.1, 10.0), 10);
+const RATES: ((f64, f64), usize) = ((0.02, 8.0), 14);
 /// Cells of the power's exponent, in deviates of its prior.
-const EXPONENTS: ((f64, f64), usize) = ((-2.0, 2.4), 8);
-/// Cells of the life in each fit, and how far they reach, in standard deviations of the growth.
-const LIVES: usize = 24;
+const EXPONENTS: ((f64, f64), usize) = ((-2.0, 2.4), 10);
+/// Cells of the life in a first look at each fit, how far they reach in standard deviations of the growth, and the parts that
+/// a cell is cut into where the posterior is.
+const LIVES: usize = 10;
 const REACH: f64 = 5.0;
+const PARTS: usize = 4;
+/// A cell is where the posterior is within this of the best in the logarithm, or beside one that is.
+const NEAR: f64 = 7.0;
 /// Bounds of the life, scales.
 const LIFE: (f64, f64) = (0.05, 1e3);
 /// What lies this far below the best in log-likelihood is left out.
-const DROP: f64 = 9.0;
+const DROP: f64 = 7.0;
 /// How many paths stand for the posterior.
 const PATHS: usize = 192;
 /// The prior of the level at the start of the life, threshold distances: its standard deviation where the healthy level is
@@ -104,7 +112,11 @@ pub(super) fn posterior(points: &[Point], setting: Setting<'_>) -> Posterior {
         (Law::Power, (1.0 - linear - exponential).max(0.0)),
     ];
     let lives = candidates.iter().map(|c| (c.life * setting.scale, c.width, c.likelihood));
-    Posterior { paths: paths(&candidates, setting.at, monotone), laws, evidence: LifeEvidence::gathered(lives) }
+    Posterior {
+        paths: paths(&candidates, setting.at, monotone),
+        laws,
+        evidence: LifeEvidence::gathered(lives, LIFE.1 * setting.scale),
+    }
 }
 
 /// A cell of the grid.
@@ -113,7 +125,7 @@ struct Candidate {
     shape: Shape,
     now: f64,
     noise: f64,
-    /// Prior times likelihood times width, relative to the best fit.
+    /// Prior times likelihood times width, relative to the best.
     weight: f64,
     /// The same without the prior of the life and the width, and the width in the logarithm of the life.
     likelihood: f64,
@@ -143,6 +155,8 @@ struct Fit {
     now: f64,
     noise: f64,
     walk: f64,
+    /// How far the walk's cell reaches below and above in the logarithm: the first and the last are open.
+    walk_reach: [f64; 2],
     sums: Sums,
     /// The growth per unit of shape over the way to the threshold: the best and its standard deviation.
     pace: (f64, f64),
@@ -162,8 +176,8 @@ impl<'a> Grid<'a> {
     fn candidates(&self) -> Vec<Candidate> {
         let coarse: Vec<Fit> =
             logarithmic(NOISE, NOISE_COARSE).flat_map(|noise| self.fits(Shape::Linear, 0.0, noise)).collect();
-        let best = coarse.iter().map(|fit| fit.best).fold(f64::NEG_INFINITY, f64::max);
-        let near = |fit: &&Fit| fit.best > best - NOISE_DROP;
+        let best = coarse.iter().map(|fit| fit.best + fit.log_prior).fold(f64::NEG_INFINITY, f64::max);
+        let near = |fit: &&Fit| fit.best + fit.log_prior > best - NOISE_DROP;
         let width = (NOISE.1 / NOISE.0).powf(0.5 / NOISE_COARSE as f64);
         let low = coarse.iter().filter(near).map(|fit| fit.noise).fold(f64::INFINITY, f64::min) / width;
         let high = coarse.iter().filter(near).map(|fit| fit.noise).fold(0.0, f64::max) * width;
@@ -175,10 +189,8 @@ impl<'a> Grid<'a> {
             }
         }
         let best = fits.iter().map(|fit| fit.best + fit.log_prior).fold(f64::NEG_INFINITY, f64::max);
-        let mut candidates = Vec::with_capacity(fits.len() * LIVES);
-        for fit in fits.iter().filter(|fit| fit.best + fit.log_prior > best - DROP) {
-            self.lives(fit, best, &mut candidates);
-        }
+        fits.retain(|fit| fit.best + fit.log_prior > best - DROP);
+        let mut candidates = self.lives(&fits);
         // From logarithms to shares of the best.
         let highest = |of: fn(&Candidate) -> f64| candidates.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
         let (weight, likelihood) = (highest(|c| c.weight), highest(|c| c.likelihood));
@@ -192,9 +204,8 @@ impl<'a> Grid<'a> {
     /// The shapes with the logarithms of their priors. That of the exponential's rate depends on the life and is counted there.
     fn shapes(&self) -> Vec<(Shape, f64)> {
         let ((low, high), n) = RATES;
-        let width = (high / low).ln() / n as f64;
         let mut shapes = vec![(Shape::Linear, 0.0)];
-        shapes.extend(logarithmic((low, high), n).map(|rate| (Shape::exponential(rate), width.ln())));
+        shapes.extend(logarithmic((low, high), n).map(|rate| (Shape::exponential(rate), 0.0)));
         let ((low, high), n) = EXPONENTS;
         let width = (high - low) / n as f64;
         shapes.extend((0..n).map(|i| {
@@ -211,9 +222,13 @@ impl<'a> Grid<'a> {
             self.points.iter().map(|p| shape.at(p.usage)).chain(std::iter::once(shape.at(at))).collect();
         let now = growth[self.points.len()];
         let sums = filter(self.points, &growth, noise * noise, &self.walks);
+        let log_prior = log_prior + log_heavy((noise / NOISE_USUAL.0).ln() / NOISE_USUAL.1, NOISE_USUAL.1);
+        let half = 0.5 * (WALK.1 / WALK.0).ln() / WALKS as f64;
+        let reach = move |open: bool| if open { f64::INFINITY } else { half };
         (0..WALKS).map(move |k| {
             let (pace, best) = self.pace(&sums[k]);
-            Fit { shape, log_prior, now, noise, walk: self.walks[k], sums: sums[k], pace, best }
+            let walk_reach = [reach(k == 0), reach(k + 1 == WALKS)];
+            Fit { shape, log_prior, now, noise, walk: self.walks[k], walk_reach, sums: sums[k], pace, best }
         })
     }
 
@@ -241,46 +256,90 @@ impl<'a> Grid<'a> {
         (-0.5 * twice, start, 1.0 / one)
     }
 
-    fn lives(&self, fit: &Fit, best: f64, candidates: &mut Vec<Candidate>) {
+    /// The cells of the life in each fit: a first look at a few, and those near the best, and beside these, in parts.
+    fn lives(&self, fits: &[Fit]) -> Vec<Candidate> {
+        let looks: Vec<[Candidate; LIVES]> = fits
+            .iter()
+            .map(|fit| {
+                let (short, width) = self.reach(fit);
+                std::array::from_fn(|i| self.candidate(fit, short * (width * (i as f64 + 0.5)).exp(), width))
+            })
+            .collect();
+        let best = looks.iter().flatten().map(|c| c.weight).fold(f64::NEG_INFINITY, f64::max);
+        let mut candidates = Vec::with_capacity(looks.len() * LIVES);
+        for (fit, look) in fits.iter().zip(&looks) {
+            for (i, c) in look.iter().enumerate() {
+                let about = &look[i.saturating_sub(1)..(i + 2).min(LIVES)];
+                if about.iter().any(|c| c.weight > best - NEAR) {
+                    let part = |k: usize| (c.width * ((k as f64 + 0.5) / PARTS as f64 - 0.5)).exp();
+                    let width = c.width / PARTS as f64;
+                    candidates.extend((0..PARTS).map(|k| self.candidate(fit, c.life * part(k), width)));
+                } else {
+                    candidates.push(*c);
+                }
+            }
+        }
+        candidates
+    }
+
+    /// The shortest life that a fit reaches to, and the width of a cell in the logarithm.
+    fn reach(&self, fit: &Fit) -> (f64, f64) {
         let (pace, deviation) = fit.pace;
         let (slowest, fastest) = (1.0 / fit.shape.at(LIFE.1), 1.0 / fit.shape.at(LIFE.0));
         let low = (pace - REACH * deviation).clamp(slowest, fastest);
         let high = (pace + REACH * deviation).clamp(slowest, fastest);
         let long = fit.shape.reaches(1.0 / low).min(LIFE.1);
         let short = fit.shape.reaches(1.0 / high).max(LIFE.0);
-        let width = (long / short).ln().max(1e-9) / LIVES as f64;
-        for life in logarithmic((short, long.max(short * (1.0 + 1e-9))), LIVES) {
-            let pace = 1.0 / fit.shape.at(life);
-            let (log_likelihood, start, start_variance) = self.given(&fit.sums, pace);
-            // A start at the threshold or beyond still grows, so that every history has a cell.
-            let rate = pace * (1.0 - start).max(WAY_MIN);
-            let scatter = fit.walk / rate;
-            let life_prior = self.setting.life.log_density(life);
-            let mut log = log_likelihood + fit.log_prior - best + width.ln() + life_prior;
-            log += log_density((scatter / SCATTER.0).ln() / SCATTER.1, SCATTER.1);
-            if let Shape::Exponential { rate, .. } = fit.shape {
-                log += log_density((rate * life / RATE.0).ln() / RATE.1, RATE.1);
-            }
-            let [wy, w1, wg] = fit.sums.walk;
-            let by_start = 1.0 - pace * fit.now - w1 + pace * wg;
-            let level = pace * fit.now + wy - pace * wg + start * by_start;
-            let variance = fit.sums.walk_variance + by_start * by_start * start_variance;
-            candidates.push(Candidate {
-                shape: fit.shape,
-                now: fit.now,
-                noise: fit.noise,
-                weight: log,
-                likelihood: log - life_prior - width.ln(),
-                width,
-                start,
-                rate,
-                scatter,
-                life,
-                level,
-                variance,
-            });
+        (short, (long / short).ln().max(1e-9) / LIVES as f64)
+    }
+
+    /// The cell of a fit about a life; its weights are logarithms.
+    fn candidate(&self, fit: &Fit, life: f64, width: f64) -> Candidate {
+        let pace = 1.0 / fit.shape.at(life);
+        let (log_likelihood, start, start_variance) = self.given(&fit.sums, pace);
+        // A start at the threshold or beyond still grows, so that every history has a cell.
+        let rate = pace * (1.0 - start).max(WAY_MIN);
+        // The whole prior of the scatter in the walk's cell, so that the cells of any life share out all of it.
+        let [below, above] = fit.walk_reach;
+        let scatter = (fit.walk / rate).min(if below.is_finite() { f64::INFINITY } else { SCATTER.0 });
+        let middle = (fit.walk / rate / SCATTER.0).ln();
+        let share = heavy_cumulative((middle + above) / SCATTER.1) - heavy_cumulative((middle - below) / SCATTER.1);
+        let mut likelihood = log_likelihood + fit.log_prior + share.max(f64::MIN_POSITIVE).ln();
+        if let Shape::Exponential { rate, .. } = fit.shape {
+            likelihood += rate_share(rate, life).max(f64::MIN_POSITIVE).ln();
+        }
+        let [wy, w1, wg] = fit.sums.walk;
+        let by_start = 1.0 - pace * fit.now - w1 + pace * wg;
+        Candidate {
+            shape: fit.shape,
+            now: fit.now,
+            noise: fit.noise,
+            weight: likelihood + width.ln() + self.setting.life.log_density(life),
+            likelihood,
+            width,
+            start,
+            rate,
+            scatter,
+            life,
+            level: pace * fit.now + wy - pace * wg + start * by_start,
+            variance: fit.sums.walk_variance + by_start * by_start * start_variance,
         }
     }
+}
+
+/// The share of the prior of the exponential's rate in the cell of one: the first and the last are open, so that the cells of any
+/// life share out all of it.
+fn rate_share(rate: f64, life: f64) -> f64 {
+    let ((low, high), n) = RATES;
+    let width = (high / low).ln() / n as f64;
+    let middle = (rate * life / RATE.0).ln();
+    if rate < low * width.exp() {
+        return cumulative((middle + 0.5 * width) / RATE.1);
+    }
+    if rate > high * (-width).exp() {
+        return cumulative((0.5 * width - middle) / RATE.1);
+    }
+    width * density(middle / RATE.1) / RATE.1
 }
 
 /// The midpoints of `n` cells of equal width in logarithm.
@@ -314,12 +373,14 @@ fn monotone(points: &[Point], candidates: &[Candidate], setting: Setting<'_>) ->
 /// Systematic selection, denser among short remaining lives, which small risks are made of; each path gets its level at an
 /// evenly spread deviate.
 fn paths(candidates: &[Candidate], at: f64, monotone: f64) -> Vec<Path> {
-    let boost = |c: &Candidate| 1.0 / (0.02 + (c.life - at).max(0.0));
+    let boost = |c: &Candidate| 1.0 + 1.0 / (0.02 + (c.life - at).max(0.0));
     let total: f64 = candidates.iter().map(|c| c.weight * boost(c)).sum();
     let step = total / PATHS as f64;
     let mut paths: Vec<Path> = Vec::with_capacity(PATHS);
     let (mut sum, mut weights) = (0.0, 0.0);
-    for c in candidates {
+    let mut ordered: Vec<&Candidate> = candidates.iter().collect();
+    ordered.sort_by(|a, b| a.life.total_cmp(&b.life));
+    for c in ordered {
         let boost = boost(c);
         sum += c.weight * boost;
         while paths.len() < PATHS && (paths.len() as f64 + 0.5) * step <= sum {

@@ -1,6 +1,7 @@
 //! The remaining life of one fault.
 
 use super::change::{self, Change, ChangeKind};
+use super::fleet::LifeEvidence;
 use super::forecast::{self, BandPoint, Prognosis};
 use super::history::{History, Observation, Point, PrognosisError, Question};
 use super::life::Life;
@@ -51,6 +52,16 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
     prognosis.evidence = posterior.evidence;
     prognosis.lives = lives;
     Ok(prognosis)
+}
+
+/// What a fault's history says of the length of its life, prior apart; none without an observation.
+///
+/// # Errors
+/// As of [`remaining_life`].
+pub fn life_evidence(history: &[Observation], question: &Question) -> Result<Option<LifeEvidence>, PrognosisError> {
+    let (whole, _) = History::new(history, question)?.without_changes(history, question)?;
+    let known = !whole.points.is_empty();
+    Ok(known.then(|| posterior(&whole, &whole.points, question).evidence).flatten())
 }
 
 fn posterior(history: &History, points: &[Point], question: &Question) -> Posterior {

@@ -403,14 +403,20 @@ fn evidence(life: f64, part: f64, seed: u64) -> LifeEvidence {
 
 #[test]
 fn a_fleet_of_young_parts_promises_what_the_age_alone_does() {
-    let young: Vec<LifeEvidence> = (0..30).map(|i| evidence(5000.0, 0.02, i)).collect();
-    let fleet = Fleet::new(&added_up(&young), &[]).unwrap();
-    let median = |prior: LifePrior| {
-        let question = Question { life_start: Some(0.0), prior, ..rising(1000.0) };
-        forecast(&straight(5000.0, 1000.0, 7), &question).quantiles.q50.unwrap()
-    };
-    let (alone, among_them) = (median(LifePrior::Watched), median(LifePrior::Fleet(fleet)));
-    assert!((0.7..1.5).contains(&(among_them / alone)), "{among_them} among young parts, {alone} alone");
+    for (count, age) in [(30, 0.02), (1000, 0.02), (300, 0.06)] {
+        let young: Vec<LifeEvidence> = (0..count).map(|i| evidence(5000.0, age, i)).collect();
+        let fleet = Fleet::new(&added_up(&young), &[]).unwrap();
+        let quantiles = |prior: LifePrior| {
+            let question = Question { life_start: Some(0.0), prior, ..rising(1000.0) };
+            let found = forecast(&straight(5000.0, 1000.0, 7), &question).quantiles;
+            [found.q05, found.q50, found.q95.or(Some(20_000.0))].map(Option::unwrap)
+        };
+        let (alone, among_them) = (quantiles(LifePrior::Watched), quantiles(LifePrior::Fleet(fleet)));
+        for (alone, among_them) in alone.into_iter().zip(among_them) {
+            let ratio = among_them / alone;
+            assert!((0.5..2.0).contains(&ratio), "{count} at {age}: {among_them} among young parts, {alone} alone");
+        }
+    }
 }
 
 #[test]
@@ -427,4 +433,15 @@ fn the_earlier_lives_of_a_part_count_for_more_than_those_of_others() {
     let pooled = added_up(&[of_others, own.clone()].concat());
     assert!(median(&others, &own) > 1.3 * median(&pooled, &[]), "own {}", median(&others, &own));
     assert!((7000.0..11_000.0).contains(&median(&others, &own)), "{}", median(&others, &own));
+}
+
+#[test]
+fn the_heavy_law_has_its_tabled_quantile_and_the_slope_of_its_density() {
+    // Student's law with 3 degrees of freedom has 0.95 at 2.353363.
+    assert!((normal::heavy_cumulative(2.353_363) - 0.95).abs() < 1e-6);
+    for z in [-4.0, -0.5, 0.0, 1.0, 3.0] {
+        let slope = (normal::heavy_cumulative(z + 1e-4) - normal::heavy_cumulative(z - 1e-4)) / 2e-4;
+        assert!((slope.ln() - normal::log_heavy(z, 1.0)).abs() < 1e-6, "{z}");
+    }
+    assert_eq!([f64::NEG_INFINITY, f64::INFINITY].map(|z| normal::heavy_cumulative(z).round()), [0.0, 1.0]);
 }

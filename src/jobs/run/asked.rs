@@ -1,7 +1,9 @@
 //! What is asked of each fault of an actuator, and of which observations.
 
 use crate::models::fault::FDJ_NOMINAL_N;
-use crate::prognostics::{Direction, LifePrior, Observation, Prognosis, PrognosisError, Question, remaining_life};
+use crate::prognostics::{
+    Direction, LifeEvidence, LifePrior, Observation, Prognosis, PrognosisError, Question, life_evidence, remaining_life,
+};
 use crate::store::LifeHistory;
 use crate::store::records::{Actuator, HealthRecord};
 
@@ -37,9 +39,18 @@ impl AskedFault {
     }
 
     /// The remaining life in a life.
-    pub fn of(&self, life: &LifeHistory, prior: LifePrior) -> Result<Prognosis, PrognosisError> {
+    pub fn remaining(&self, life: &LifeHistory, prior: LifePrior) -> Result<Prognosis, PrognosisError> {
+        remaining_life(&self.observations(&life.records), &self.question(life, prior))
+    }
+
+    /// What a life that is over says of the length of lives; nothing where its history cannot be used.
+    pub fn evidence(&self, life: &LifeHistory) -> Option<LifeEvidence> {
+        life_evidence(&self.observations(&life.records), &self.question(life, LifePrior::Watched)).ok()?
+    }
+
+    fn question(&self, life: &LifeHistory, prior: LifePrior) -> Question {
         let at = usage(life);
-        let question = Question {
+        Question {
             threshold: self.threshold,
             direction: Direction::Rising,
             healthy: Some(self.healthy),
@@ -48,8 +59,7 @@ impl AskedFault {
             horizon: None,
             risk_window: self.risk_window,
             prior,
-        };
-        remaining_life(&self.observations(&life.records), &question)
+        }
     }
 
     /// Whether a life is known from its beginning. Where traces begin with a part in service, its life counts from the first of

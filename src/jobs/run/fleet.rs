@@ -67,8 +67,7 @@ fn cohort(actuator: &Actuator, fault: &AskedFault) -> String {
 /// What the earlier lives of an actuator say of the length of its lives. One that was not seen from new, or whose history cannot
 /// be used, says nothing.
 pub(super) fn evidence(earlier: &[LifeHistory], fault: &AskedFault) -> Vec<LifeEvidence> {
-    let whole = earlier.iter().filter(|life| fault.is_seen_from_new(life));
-    whole.filter_map(|life| fault.of(life, LifePrior::Watched).ok()?.evidence).collect()
+    earlier.iter().filter(|life| fault.is_seen_from_new(life)).filter_map(|life| fault.evidence(life)).collect()
 }
 
 /// The prior of a life after what the others say and the actuator's earlier lives, and what it rests on.

@@ -295,7 +295,7 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, known: &KnownLives, a
         } else {
             (LifePrior::Watched, LearntFrom::default())
         };
-        let prognosis = fault.of(history, prior);
+        let prognosis = fault.remaining(history, prior);
         let own = prognosis.as_ref().ok().and_then(|prognosis| prognosis.evidence.clone());
         lives.extend(own.filter(|_| comparable));
         shares.push(fleet::share(actuator, &fault, &lives));
