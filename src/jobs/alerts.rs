@@ -225,7 +225,8 @@ fn message(actuator: &Actuator, cause: &Cause, usage: f64) -> String {
         Cause::Risk { risk, limit, within, .. } => format!(
             "{who}: a failure within the next {} {unit} has a probability of {} %, and {} % is the limit, at {usage} {unit}.",
             rounded(within, 1),
-            rounded(100.0 * risk, 1),
+            // What is not certain is not called so.
+            if risk > 0.999 { "more than 99.9".to_owned() } else { rounded(100.0 * risk, 1) },
             rounded(100.0 * limit, 1)
         ),
     }

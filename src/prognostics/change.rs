@@ -9,6 +9,7 @@ use utoipa::ToSchema;
 use super::filter::{Sums, WALKS, filter};
 use super::history::Point;
 use super::law::Shape;
+use super::metrics::median;
 
 /// Fewer observations than this are taken as they are.
 const POINTS_MIN: usize = 6;
@@ -106,7 +107,7 @@ fn mark(point: &mut Point, kind: ChangeKind) {
 
 /// A step back by much of the damage is a renewal.
 fn renewed(points: &[Point], found: &Found) -> ChangeKind {
-    let before = median(points[found.index.saturating_sub(3)..found.index].iter().map(|p| p.value).collect());
+    let before = middle(points[found.index.saturating_sub(3)..found.index].iter().map(|p| p.value).collect());
     match found.kind {
         ChangeKind::Step if -found.size > (RENEWED * before).max(RENEWED_MIN) => ChangeKind::Renewal,
         kind => kind,
@@ -128,12 +129,12 @@ fn places(points: &[Point], marked: &[usize]) -> (Vec<(ChangeKind, usize, f64)>,
     };
     let ends = |k: usize| k == 0 || k + 1 == usable.len();
     let inner: Vec<f64> = (1..usable.len().saturating_sub(1)).map(|k| aside(k).abs()).collect();
-    let noise = (1.4826 * median(inner) / 1.5_f64.sqrt()).max(NOISE_MIN);
+    let noise = (1.4826 * middle(inner) / 1.5_f64.sqrt()).max(NOISE_MIN);
     let step = |k: usize| {
-        let after = median((k..usable.len().min(k + 3)).map(value).collect());
-        after - median((k.saturating_sub(3)..k).map(value).collect())
+        let after = middle((k..usable.len().min(k + 3)).map(value).collect());
+        after - middle((k.saturating_sub(3)..k).map(value).collect())
     };
-    let usual = median((1..usable.len()).map(step).collect());
+    let usual = middle((1..usable.len()).map(step).collect());
     let mut places = Vec::new();
     for k in 0..usable.len() {
         let index = usable[k];
@@ -177,10 +178,7 @@ fn integrated(s: &Sums) -> f64 {
     -0.5 * (s.yy - explained + s.log_determinant + determinant.ln())
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+/// The median; 0 without a value.
+fn middle(values: Vec<f64>) -> f64 {
+    median(values).unwrap_or(0.0)
 }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::change::{self, Change, ChangeKind};
+use super::metrics::median;
 use super::prior::LifePrior;
 
 /// Horizon of a forecast in scales, where the question names none.
@@ -247,11 +248,9 @@ fn first_level<'a>(used: impl Iterator<Item = &'a Observation> + Clone, question
         Direction::Falling => 1.0,
     };
     let finite = used.map(|o| o.value).filter(|value| value.is_finite());
-    let mut first: Vec<f64> = finite.clone().take(FIRST).collect();
-    first.sort_by(f64::total_cmp);
-    let median = first.get(first.len() / 2).copied().unwrap_or(question.threshold);
-    if (median - question.threshold) * healthier > 0.0 {
-        return median;
+    let first = median(finite.clone().take(FIRST).collect()).unwrap_or(question.threshold);
+    if (first - question.threshold) * healthier > 0.0 {
+        return first;
     }
     let farthest = finite.map(|value| (value - question.threshold).abs()).fold(0.0, f64::max);
     let width = if farthest > 0.0 { farthest } else { question.threshold.abs().max(f64::MIN_POSITIVE) };

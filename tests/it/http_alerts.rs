@@ -1,9 +1,11 @@
 //! Alerts over HTTP, from the estimate that raises one to the maintenance that clears it.
 
+use std::time::Instant;
+
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 
-use super::http_support::{Service, still_csv};
+use super::http_support::{PATIENCE, PAUSE, Service, still_csv};
 
 /// An actuator whose KGM was estimated once a day of March 2026 with these values. The traces say nothing; what was estimated
 /// from them is written beside the service.
@@ -50,6 +52,31 @@ pub async fn alert(service: &Service, kind: &str) -> Value {
     let alert = found.next().unwrap();
     assert!(found.next().is_none());
     alert
+}
+
+#[tokio::test]
+async fn a_lowered_threshold_and_an_excluded_trace_change_alerts_without_a_reader() {
+    let service = Service::new().await;
+    let actuator = worn(&service, "EHA-1", &growing()[..6]).await;
+    assert!(items(&service, "/v1/alerts").await.iter().all(|alert| alert["kind"] != "threshold"));
+    let expected = async |state: &str| {
+        let started = Instant::now();
+        let found = async || items(&service, "/v1/alerts").await.into_iter().find(|alert| alert["kind"] == "threshold");
+        while found().await.is_none_or(|alert| alert["state"] != state) {
+            assert!(started.elapsed() < PATIENCE, "no alert became {state}");
+            tokio::time::sleep(PAUSE).await;
+        }
+    };
+    let lower = json!({"thresholds": {"kgm": 0.2}});
+    service.patch_json(&format!("/v1/actuators/{actuator}"), &lower).await.expect(StatusCode::OK);
+    expected("open").await;
+    let records = items(&service, &format!("/v1/actuators/{actuator}/health")).await;
+    for record in &records[2..] {
+        let path = format!("/v1/traces/{}", record["trace_id"].as_str().unwrap());
+        let excluded = json!({"excluded": true, "reason": "another part"});
+        service.patch_json(&path, &excluded).await.expect(StatusCode::OK);
+    }
+    expected("cleared").await;
 }
 
 #[tokio::test]
