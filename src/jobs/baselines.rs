@@ -4,11 +4,12 @@
 
 use jiff::Timestamp;
 
+use super::lives::{Life, lives};
 use crate::estimation::Verdict;
 use crate::estimation::request::Fault;
 use crate::models::fault::FDJ_NOMINAL_N;
 use crate::prognostics::baseline::{self, Baseline, Figure, Gathering, Healthy, PassedOver, Reading};
-use crate::store::records::{Actuator, HealthRecord, Id, Maintenance, MaintenanceKind, Thresholds};
+use crate::store::records::{Actuator, HealthRecord, Id, Thresholds};
 use crate::store::{Page, Paged, Records, StoreError};
 
 /// The most records of a life that are looked at: an actuator that was not healthy in as many was not when it was new.
@@ -17,29 +18,6 @@ pub const LOOKED_AT_MAX: usize = 500;
 const AT_ONCE: u32 = 50;
 /// How often a history is read again when it changes meanwhile.
 const TRIES: usize = 3;
-
-/// One life of an actuator: what was recorded from its start to the start of the next.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Life {
-    /// The event that began it; none began the first.
-    pub start: Option<Maintenance>,
-    /// When the next began.
-    pub end: Option<Timestamp>,
-}
-
-impl Life {
-    /// When it began; none of the first.
-    #[must_use]
-    pub fn since(&self) -> Option<Timestamp> {
-        self.start.as_ref().map(|event| event.at)
-    }
-
-    /// Whether something was recorded in it.
-    #[must_use]
-    pub fn has(&self, at: Timestamp) -> bool {
-        self.since().is_none_or(|since| since <= at) && self.end.is_none_or(|end| at < end)
-    }
-}
 
 /// The beginning of a life, and the baseline that it makes.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,25 +133,6 @@ fn grown(record: HealthRecord, opening: &Opening) -> Grown {
 
 async fn revision(records: &dyn Records, actuator: Id) -> Result<Option<i64>, StoreError> {
     Ok(records.actuator(actuator).await?.map(|actuator| actuator.revision))
-}
-
-/// Every life of an actuator, ascending; at least the first.
-pub(super) async fn lives(records: &dyn Records, actuator: Id) -> Result<Vec<Life>, StoreError> {
-    let mut lives = vec![Life { start: None, end: None }];
-    let mut page = Page { after: None, limit: LOOKED_AT_MAX as u32 };
-    loop {
-        let Paged { items, next_cursor } = records.maintenance(actuator, &page).await?;
-        for event in items.into_iter().filter(|event| event.kind != MaintenanceKind::Inspected) {
-            if let Some(before) = lives.last_mut() {
-                before.end = Some(event.at);
-            }
-            lives.push(Life { start: Some(event), end: None });
-        }
-        page.after = next_cursor;
-        if page.after.is_none() {
-            return Ok(lives);
-        }
-    }
 }
 
 /// The beginning of a life: its records are read until its baseline is complete.

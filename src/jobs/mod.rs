@@ -7,6 +7,7 @@ pub mod alerts;
 pub mod baselines;
 pub mod dispatch;
 pub mod kind;
+pub mod lives;
 pub mod run;
 pub mod sets;
 pub mod text;

@@ -6,8 +6,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::asked::AskedFault;
-use super::trend::life_records;
-use crate::jobs::baselines;
+use crate::jobs::lives;
 use crate::prognostics::{FLEET_MODEL, Fleet, LifeEvidence, LifePrior, tally};
 use crate::store::records::{Actuator, FleetShare, FleetTally};
 use crate::store::{LifeHistory, Records, StoreError};
@@ -41,11 +40,11 @@ pub(super) async fn known(
 ) -> Result<KnownLives, StoreError> {
     let mut earlier = Vec::new();
     if let Some(began) = history.life_started_at {
-        for life in baselines::lives(records, actuator.id).await?.iter().rev() {
+        for life in lives::lives(records, actuator.id).await?.iter().rev() {
             if life.end.is_none_or(|end| end > began) {
                 continue;
             }
-            let ended = life_records(records, actuator.id, life, life.end).await?;
+            let ended = lives::records_of(records, actuator.id, life, life.end).await?;
             earlier.extend(Some(ended).filter(|ended| !ended.records.is_empty()));
             if earlier.len() == EARLIER_MAX {
                 break;

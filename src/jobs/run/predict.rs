@@ -13,8 +13,8 @@ use super::asked::{AskedFault, usage};
 use super::calendar::UseRate;
 use super::fleet::{self, KnownLives, LearntFrom};
 use super::{Compute, panic_text, trend};
-use crate::jobs::JobSettings;
 use crate::jobs::alerts::{self, AlertSettings, Evidence};
+use crate::jobs::{JobSettings, lives};
 use crate::prognostics::{BandPoint, Change, FLEET_MODEL, Forecast, LifePrior, Prognosis, PrognosisError, competing};
 use crate::store::records::{self, Actuator, FleetShare, ForecastRecord, Id, UsageUnit};
 use crate::store::{LifeHistory, Records, StoreError, WithForecast};
@@ -225,7 +225,7 @@ pub(in crate::jobs) async fn fill_trend(
         return Ok(());
     }
     if !history.records.iter().any(|record| record.trace_id == trace) {
-        history = trend::life_up_to(records, actuator.id, recorded_at).await?;
+        history = lives::up_to(records, actuator.id, recorded_at).await?;
     }
     let Some(place) = history.records.iter().position(|record| record.trace_id == trace) else { return Ok(()) };
     history.records.truncate(place + 1);

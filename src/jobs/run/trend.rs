@@ -1,15 +1,11 @@
 //! The trend: what stays of each forecast when the next is made.
 
-use jiff::{SignedDuration, Timestamp};
+use jiff::Timestamp;
 
 use super::predict::{RemainingLife, Risk, TimedForecast, basis};
-use crate::jobs::baselines::Life;
-use crate::jobs::{JobSettings, baselines};
-use crate::store::records::{Id, TrendFaults, TrendFigures, TrendRecord};
-use crate::store::{LifeHistory, Page, Paged, Records, StoreError};
-
-/// Records that are read at once.
-const AT_ONCE: u32 = 500;
+use crate::jobs::JobSettings;
+use crate::store::LifeHistory;
+use crate::store::records::{TrendFaults, TrendFigures, TrendRecord};
 
 /// The step that a forecast makes in its actuator's trend; none before the first trace of the life, and of a forecast that
 /// failed.
@@ -38,39 +34,6 @@ pub(super) fn step(
         basis: basis(settings),
         version: life.version.clone(),
     })
-}
-
-/// The history of the life in which something was recorded at a time, up to that time: a life that may be over.
-pub(super) async fn life_up_to(records: &dyn Records, actuator: Id, at: Timestamp) -> Result<LifeHistory, StoreError> {
-    let Some(life) = baselines::lives(records, actuator).await?.into_iter().find(|life| life.has(at)) else {
-        return Ok(LifeHistory::default());
-    };
-    // The end of a span is not part of it.
-    let end = at.checked_add(SignedDuration::from_micros(1)).unwrap_or(at);
-    life_records(records, actuator, &life, Some(end)).await
-}
-
-/// The history of a life up to a time, which is not part of it.
-pub(super) async fn life_records(
-    records: &dyn Records,
-    actuator: Id,
-    life: &Life,
-    end: Option<Timestamp>,
-) -> Result<LifeHistory, StoreError> {
-    let mut history = LifeHistory {
-        life_started_at: life.since(),
-        life_start_usage: life.start.as_ref().map(|event| event.usage),
-        ..LifeHistory::default()
-    };
-    let mut page = Page { after: None, limit: AT_ONCE };
-    loop {
-        let Paged { items, next_cursor } = records.health(actuator, history.life_started_at, end, &page).await?;
-        history.records.extend(items);
-        page.after = next_cursor;
-        if page.after.is_none() {
-            return Ok(history);
-        }
-    }
 }
 
 fn figures(forecast: Option<&TimedForecast>, risk: Option<Risk>) -> Option<TrendFigures> {
