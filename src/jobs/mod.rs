@@ -254,11 +254,12 @@ impl Jobs {
         let own = self.settings.asked();
         let (within, act_at_risk) = (within.unwrap_or(own.within), act_at_risk.unwrap_or(own.act_at_risk));
         let asked = RiskQuestion { within, act_at_risk, ..own };
+        let kept = self.forecast(actuator).await?;
         if asked == own {
-            return Ok(self.forecast(actuator).await?.document);
+            return Ok(kept.document);
         }
-        let (predicted, ..) = predict::made(self.records.as_ref(), self.compute.clone(), actuator, &asked).await?;
-        Ok(predict::document(&predicted.life))
+        let (records, compute) = (self.records.as_ref(), self.compute.clone());
+        Ok(predict::document(&predict::answer(records, compute, actuator, &kept, &asked).await?))
     }
 
     /// Gives a trace, recorded at a time, its step of its actuator's trend, unless it has one.

@@ -130,14 +130,26 @@ impl Fleet {
     }
 }
 
-/// The prior of a life by its fleet.
-#[derive(Debug)]
-pub(super) struct FleetPrior {
+/// The prior of a life by its fleet, as it was when a forecast was made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FleetPrior {
     /// The density of the logarithm of the life in each cell.
     density: Vec<f64>,
 }
 
 impl FleetPrior {
+    /// A prior that was kept as its density; none of another number of cells.
+    #[must_use]
+    pub fn of_density(density: Vec<f64>) -> Option<Self> {
+        (density.len() == CELLS).then_some(Self { density })
+    }
+
+    /// The density of the logarithm of the life, in 128 cells from 1 to 10^7 of usage.
+    #[must_use]
+    pub fn density(&self) -> &[f64] {
+        &self.density
+    }
+
     /// The logarithm of the density at a life, in usage, beside that of the age alone.
     pub(super) fn log_density(&self, life: f64, age_alone: f64) -> f64 {
         let place = ((life / LIVES.0).ln() / cell_width() - 0.5).clamp(0.0, CELLS as f64 - 1.0);

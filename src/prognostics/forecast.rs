@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::change::Change;
-use super::fleet::LifeEvidence;
+use super::fleet::{FleetPrior, LifeEvidence};
 use super::life::{self, Life};
 
 /// Nodes of the survival function, denser near now.
@@ -105,6 +105,8 @@ pub struct Prognosis {
     pub changes: Vec<Change>,
     /// What the history says of the length of its life, prior apart, for a fleet to learn from.
     pub evidence: Option<LifeEvidence>,
+    /// The prior that the forecast had from a fleet.
+    pub prior: Option<FleetPrior>,
     pub(super) lives: Vec<Life>,
 }
 

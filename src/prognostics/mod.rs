@@ -21,7 +21,7 @@ mod tests;
 
 pub use change::{Change, ChangeKind};
 pub use competing::competing;
-pub use fleet::{FLEET_MODEL, Fleet, LifeEvidence, tally};
+pub use fleet::{FLEET_MODEL, Fleet, FleetPrior, LifeEvidence, tally};
 pub use forecast::{BandPoint, Forecast, Prognosis, Quantiles};
 pub use history::{Direction, Observation, Problem, PrognosisError, Question};
 pub use prior::LifePrior;

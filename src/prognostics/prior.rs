@@ -23,6 +23,8 @@ pub enum LifePrior {
     Watched,
     /// From the lives of others of its type.
     Fleet(Fleet),
+    /// The prior that an earlier forecast had from its fleet.
+    Kept(FleetPrior),
 }
 
 impl LifePrior {
@@ -32,6 +34,7 @@ impl LifePrior {
             Self::Age => Law::Age,
             Self::Watched => Law::Watched,
             Self::Fleet(fleet) => Law::Fleet(fleet.prior(scale)),
+            Self::Kept(prior) => Law::Fleet(prior.clone()),
         };
         ScaledPrior { law, scale }
     }
@@ -53,6 +56,14 @@ enum Law {
 }
 
 impl ScaledPrior {
+    /// What the fleet has to it.
+    pub(super) fn into_fleet(self) -> Option<FleetPrior> {
+        match self.law {
+            Law::Fleet(prior) => Some(prior),
+            Law::Age | Law::Watched => None,
+        }
+    }
+
     /// The logarithm of the density of the logarithm of a life of so many scales.
     pub(super) fn log_density(&self, life: f64) -> f64 {
         match &self.law {

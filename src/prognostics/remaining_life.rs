@@ -6,6 +6,7 @@ use super::forecast::{self, BandPoint, Prognosis};
 use super::history::{History, Observation, Point, PrognosisError, Question};
 use super::life::Life;
 use super::posterior::{self, Posterior, Setting};
+use super::prior::ScaledPrior;
 
 /// Points of the band.
 const BAND_POINTS: usize = 24;
@@ -28,7 +29,8 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
     prognosis.reasons.extend(weakness(&history.points));
     prognosis.reasons.extend(changes.iter().map(told));
     prognosis.changes = changes;
-    let mut posterior = posterior(&history, &history.points, question);
+    let prior = question.prior.at(history.scale);
+    let mut posterior = posterior(&history, &history.points, question, &prior);
     let sound: Vec<&Point> = history.points.iter().filter(|point| point.variance < change::FREE).collect();
     if sound.len() > 1 && sound.iter().all(|point| point.value >= 1.0) {
         prognosis.reasons.push("every observation of this life, outliers apart, is past the threshold".to_owned());
@@ -36,7 +38,7 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
     }
     let life = Life::new(posterior.paths, history.scale);
     let passed = life.passed(0.0) > 0.5;
-    let reached = passed && confirmed(&history, question);
+    let reached = passed && confirmed(&history, question, &prior);
     if passed && !reached {
         prognosis
             .reasons
@@ -50,6 +52,7 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
     prognosis.band = band(&lives[0], question.at, &history, forecast.quantiles.q50.unwrap_or(whole.horizon));
     prognosis.forecast = Some(forecast);
     prognosis.evidence = posterior.evidence;
+    prognosis.prior = prior.into_fleet();
     prognosis.lives = lives;
     Ok(prognosis)
 }
@@ -60,12 +63,11 @@ pub fn remaining_life(history: &[Observation], question: &Question) -> Result<Pr
 /// As of [`remaining_life`].
 pub fn life_evidence(history: &[Observation], question: &Question) -> Result<Option<LifeEvidence>, PrognosisError> {
     let (whole, _) = History::new(history, question)?.without_changes(history, question)?;
-    let known = !whole.points.is_empty();
-    Ok(known.then(|| posterior(&whole, &whole.points, question).evidence).flatten())
+    let (known, prior) = (!whole.points.is_empty(), question.prior.at(whole.scale));
+    Ok(known.then(|| posterior(&whole, &whole.points, question, &prior).evidence).flatten())
 }
 
-fn posterior(history: &History, points: &[Point], question: &Question) -> Posterior {
-    let life = &question.prior.at(history.scale);
+fn posterior(history: &History, points: &[Point], question: &Question, life: &ScaledPrior) -> Posterior {
     let setting = Setting { at: history.at, scale: history.scale, life, healthy_known: question.healthy.is_some() };
     posterior::posterior(points, setting)
 }
@@ -104,7 +106,7 @@ fn weakness(points: &[Point]) -> Option<String> {
 
 /// Whether the threshold counts as passed without the only observation past it, where there is only one. The others
 /// have to tell of a rate of growth themselves: the prior's confirms nothing.
-fn confirmed(history: &History, question: &Question) -> bool {
+fn confirmed(history: &History, question: &Question, prior: &ScaledPrior) -> bool {
     let past = |point: &Point| point.value >= 1.0;
     if history.points.iter().filter(|p| past(p)).count() != 1 {
         return true;
@@ -113,7 +115,7 @@ fn confirmed(history: &History, question: &Question) -> bool {
     if others.is_empty() || weakness(&others).is_some() {
         return false;
     }
-    Life::new(posterior(history, &others, question).paths, history.scale).passed(0.0) > 0.5
+    Life::new(posterior(history, &others, question, prior).paths, history.scale).passed(0.0) > 0.5
 }
 
 /// The 90 % band of the value from `at` over `length` of usage.

@@ -255,6 +255,9 @@ pub trait Records: Send + Sync {
     -> Result<bool, StoreError>;
     /// What the actuators of a cohort say of its lives, without one of them.
     async fn fleet_tally(&self, cohort: &str, without: Id) -> Result<FleetTally, StoreError>;
+    /// The prior that the forecast of an actuator at a revision had of a fault from its fleet; none where it had none, or where
+    /// another forecast is kept.
+    async fn forecast_prior(&self, actuator: Id, revision: i64, fault: &str) -> Result<Vec<f64>, StoreError>;
     /// Keeps a step of the trend unless one of its life and trace is kept already; whether it was kept.
     async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError>;
     /// The trend of an actuator's forecasts, life by life, in each ascending by usage, then by the time at which they were made:

@@ -423,7 +423,7 @@ pub struct TrendFaults {
 }
 
 /// What the lives of one actuator say of those of its cohort, by one fault: numbers that are added up over a cohort.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FleetShare {
     /// The fault.
     pub fault: String,
@@ -431,6 +431,8 @@ pub struct FleetShare {
     pub cohort: String,
     /// The numbers; none where nothing is known.
     pub tally: Vec<i32>,
+    /// The prior that the actuator's own forecast had from its fleet, as a density; none without.
+    pub prior: Vec<f64>,
 }
 
 /// The shares of a cohort, added up.

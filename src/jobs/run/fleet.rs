@@ -2,13 +2,13 @@
 //!
 //! A cohort is the actuators of one parameter set whose lives can be compared: one usage unit, one fault, one threshold.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::asked::AskedFault;
 use crate::jobs::lives;
-use crate::prognostics::{FLEET_MODEL, Fleet, LifeEvidence, LifePrior, tally};
-use crate::store::records::{Actuator, FleetShare, FleetTally};
+use crate::prognostics::{FLEET_MODEL, Fleet, FleetPrior, LifeEvidence, LifePrior, tally};
+use crate::store::records::{Actuator, FleetShare, FleetTally, ForecastRecord};
 use crate::store::{LifeHistory, Records, StoreError};
 
 /// The most earlier lives of an actuator that count: the newest.
@@ -21,10 +21,21 @@ pub struct KnownLives {
     pub others: [FleetTally; 2],
     /// The earlier lives of the same actuator of which something was recorded, the newest first.
     pub earlier: Vec<LifeHistory>,
+    /// What a forecast that is kept took from all these, fault by fault: another question about it rests on the same.
+    pub taken: Option<[Taken; 2]>,
+}
+
+/// What a forecast of a fault took from other lives.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Taken {
+    /// Its prior; none where that was from the age alone.
+    pub prior: Option<FleetPrior>,
+    /// Whose lives it rests on.
+    pub learnt_from: LearntFrom,
 }
 
 /// The lives that a forecast rests on beside the one that it is about.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct LearntFrom {
     /// Other actuators of its parameter set, with its usage unit and this fault's threshold.
     pub actuators: u64,
@@ -53,7 +64,25 @@ pub(super) async fn known(
     }
     let [kgm, fdj_n] = AskedFault::all(actuator, 0.0).map(|fault| cohort(actuator, &fault));
     let others = [records.fleet_tally(&kgm, actuator.id).await?, records.fleet_tally(&fdj_n, actuator.id).await?];
-    Ok(KnownLives { others, earlier })
+    Ok(KnownLives { others, earlier, taken: None })
+}
+
+/// Reads what the kept forecast of a revision took from other lives.
+pub(super) async fn taken(
+    records: &dyn Records,
+    actuator: &Actuator,
+    forecast: &ForecastRecord,
+) -> Result<KnownLives, StoreError> {
+    let mut taken = <[Taken; 2]>::default();
+    for (taken, fault) in taken.iter_mut().zip(AskedFault::all(actuator, 0.0)) {
+        let density = records.forecast_prior(actuator.id, forecast.revision, fault.name).await?;
+        let told = &forecast.document["faults"][fault.name]["learnt_from"];
+        *taken = Taken {
+            prior: FleetPrior::of_density(density),
+            learnt_from: LearntFrom::deserialize(told).unwrap_or_default(),
+        };
+    }
+    Ok(KnownLives { taken: Some(taken), ..KnownLives::default() })
 }
 
 /// The name of the cohort of a fault of an actuator.
@@ -75,8 +104,14 @@ pub(super) fn prior(others: &FleetTally, earlier: &[LifeEvidence]) -> (LifePrior
     (prior, LearntFrom { actuators: others.actuators, earlier_lives: earlier.len() })
 }
 
-/// What the lives of an actuator say of those of its cohort.
-pub(super) fn share(actuator: &Actuator, fault: &AskedFault, lives: &[LifeEvidence]) -> FleetShare {
+/// What the lives of an actuator say of those of its cohort, and what its own forecast took from it.
+pub(super) fn share(
+    actuator: &Actuator,
+    fault: &AskedFault,
+    lives: &[LifeEvidence],
+    prior: Option<&FleetPrior>,
+) -> FleetShare {
     let tally = tally(lives).unwrap_or_default();
-    FleetShare { fault: fault.name.to_owned(), cohort: cohort(actuator, fault), tally }
+    let prior = prior.map(|prior| prior.density().to_vec()).unwrap_or_default();
+    FleetShare { fault: fault.name.to_owned(), cohort: cohort(actuator, fault), tally, prior }
 }

@@ -11,7 +11,7 @@ use utoipa::ToSchema;
 
 use super::asked::{AskedFault, usage};
 use super::calendar::UseRate;
-use super::fleet::{self, KnownLives, LearntFrom};
+use super::fleet::{self, KnownLives, LearntFrom, Taken};
 use super::{Compute, panic_text, trend};
 use crate::jobs::alerts::{self, AlertSettings, Evidence};
 use crate::jobs::{JobSettings, lives};
@@ -143,7 +143,9 @@ pub(in crate::jobs) async fn forecast(
     {
         return Ok(stored);
     }
-    let (Predicted { life, shares }, history, actuator) = made(records, compute, actuator, &settings.asked()).await?;
+    let (actuator, history) = as_they_are(records, actuator).await?;
+    let known = fleet::known(records, &actuator, &history).await?;
+    let (Predicted { life, shares }, history) = computed(compute, &actuator, history, known, &settings.asked()).await;
     let forecast = ForecastRecord {
         actuator_id: actuator.id,
         revision: history.revision,
@@ -163,17 +165,22 @@ pub(in crate::jobs) async fn forecast(
     Ok(forecast)
 }
 
-/// The forecast of an actuator now, whatever is stored, and the history and the actuator that it was made from.
-pub(in crate::jobs) async fn made(
+/// The answer to another question than the kept forecast's, which it does not move: from the same history, and from what that
+/// forecast took from other lives.
+pub(in crate::jobs) async fn answer(
     records: &dyn Records,
     compute: Arc<dyn Compute>,
     actuator: &Actuator,
+    kept: &ForecastRecord,
     asked: &RiskQuestion,
-) -> Result<(Predicted, LifeHistory, Actuator), StoreError> {
+) -> Result<RemainingLife, StoreError> {
     let (actuator, history) = as_they_are(records, actuator).await?;
-    let known = fleet::known(records, &actuator, &history).await?;
-    let (predicted, history) = computed(compute, &actuator, history, known, asked).await;
-    Ok((predicted, history, actuator))
+    let known = if history.revision == kept.revision {
+        fleet::taken(records, &actuator, kept).await?
+    } else {
+        fleet::known(records, &actuator, &history).await?
+    };
+    Ok(computed(compute, &actuator, history, known, asked).await.0.life)
 }
 
 /// An actuator and the history of its life, both of one revision. If it goes on changing they bear the older one's, so that
@@ -290,15 +297,20 @@ pub fn predict(actuator: &Actuator, history: &LifeHistory, known: &KnownLives, a
         let (fault, started) = (faults[i], Instant::now());
         let mut lives = fleet::evidence(&known.earlier, &fault);
         let comparable = fault.is_seen_from_new(history);
-        let (prior, learnt_from) = if comparable {
-            fleet::prior(&known.others[i], &lives)
-        } else {
-            (LifePrior::Watched, LearntFrom::default())
+        let (prior, learnt_from) = match &known.taken {
+            Some(taken) => {
+                let Taken { prior, learnt_from } = taken[i].clone();
+                (prior.map_or(LifePrior::Watched, LifePrior::Kept), learnt_from)
+            }
+            None if comparable => fleet::prior(&known.others[i], &lives),
+            None => (LifePrior::Watched, LearntFrom::default()),
         };
         let prognosis = fault.remaining(history, prior);
-        let own = prognosis.as_ref().ok().and_then(|prognosis| prognosis.evidence.clone());
+        let found = prognosis.as_ref().ok();
+        let own = found.and_then(|prognosis| prognosis.evidence.clone());
         lives.extend(own.filter(|_| comparable));
-        shares.push(fleet::share(actuator, &fault, &lives));
+        let prior = found.and_then(|prognosis| prognosis.prior.as_ref());
+        shares.push(fleet::share(actuator, &fault, &lives, prior));
         Told { fault, prognosis, learnt_from, elapsed_s: started.elapsed().as_secs_f64() }
     });
     let (mut parts, mut refused) = (Vec::new(), Vec::new());

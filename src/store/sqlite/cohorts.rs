@@ -7,10 +7,14 @@ use super::row::{Reader, signed};
 use crate::store::StoreError;
 use crate::store::records::{FleetShare, FleetTally, Id};
 
-pub(super) const SHARE: &str = "SELECT cohort, tally FROM fleet_shares WHERE actuator_id = ?1 AND fault = ?2";
-pub(super) const SHARE_IN: &str = "SELECT cohort, tally FROM fleet_shares WHERE actuator_id = ?1 AND cohort = ?2";
-const KEEP_SHARE: &str =
-    "INSERT OR REPLACE INTO fleet_shares (actuator_id, fault, cohort, tally) VALUES (?1, ?2, ?3, ?4)";
+pub(super) const SHARE: &str = "SELECT cohort, tally, prior FROM fleet_shares WHERE actuator_id = ?1 AND fault = ?2";
+pub(super) const SHARE_IN: &str =
+    "SELECT cohort, tally, prior FROM fleet_shares WHERE actuator_id = ?1 AND cohort = ?2";
+pub(super) const PRIOR: &str =
+    "SELECT s.prior FROM actuators a JOIN fleet_shares s ON s.actuator_id = a.id AND s.fault = ?3
+    WHERE a.id = ?1 AND a.forecast_revision = ?2";
+const KEEP_SHARE: &str = "INSERT OR REPLACE INTO fleet_shares (actuator_id, fault, cohort, tally, prior)
+    VALUES (?1, ?2, ?3, ?4, ?5)";
 const FORGET_SHARE: &str = "DELETE FROM fleet_shares WHERE actuator_id = ?1 AND fault = ?2";
 pub(super) const SUM: &str = "SELECT cohort, actuators, tally FROM fleet_tallies WHERE cohort = ?1";
 const KEEP_SUM: &str = "INSERT OR REPLACE INTO fleet_tallies (cohort, actuators, tally) VALUES (?1, ?2, ?3)";
@@ -23,7 +27,7 @@ pub(super) async fn keep(
     share: &FleetShare,
 ) -> Result<(), StoreError> {
     let before = share_at(connection, SHARE, actuator, &share.fault).await?;
-    if before.as_ref().is_some_and(|before| before.cohort == share.cohort && before.tally == share.tally) {
+    if before.as_ref() == Some(share) {
         return Ok(());
     }
     if let Some(before) = &before {
@@ -38,7 +42,9 @@ pub(super) async fn keep(
         change(&mut sum, share, 1)?;
         keep_sum(connection, &share.cohort, &sum).await?;
         let tally: Vec<u8> = share.tally.iter().flat_map(|number| number.to_le_bytes()).collect();
-        sqlx::query(KEEP_SHARE).bind(actuator.to_string()).bind(&share.fault).bind(&share.cohort).bind(tally)
+        let prior: Vec<u8> = share.prior.iter().flat_map(|number| number.to_le_bytes()).collect();
+        let query = sqlx::query(KEEP_SHARE).bind(actuator.to_string()).bind(&share.fault).bind(&share.cohort);
+        query.bind(tally).bind(prior)
     };
     query.execute(connection).await?;
     Ok(())
@@ -54,6 +60,18 @@ pub(super) async fn tally(readers: &SqlitePool, cohort: &str, without: Id) -> Re
     Ok(others)
 }
 
+/// The prior that the kept forecast of a revision had of a fault.
+pub(super) async fn prior(
+    readers: &SqlitePool,
+    actuator: Id,
+    revision: i64,
+    fault: &str,
+) -> Result<Vec<f64>, StoreError> {
+    let query = sqlx::query(PRIOR).bind(actuator.to_string()).bind(revision).bind(fault);
+    let Some(row) = query.fetch_optional(readers).await? else { return Ok(Vec::new()) };
+    Reader::new(&row, "prior of a forecast", 0).numbers(f64::from_le_bytes)
+}
+
 /// The share that a query finds by an actuator and its fault or cohort.
 async fn share_at(
     connection: &mut SqliteConnection,
@@ -64,8 +82,13 @@ async fn share_at(
     let row = sqlx::query(query).bind(actuator.to_string()).bind(by).fetch_optional(connection).await?;
     let Some(row) = row else { return Ok(None) };
     let mut row = Reader::new(&row, "share of a cohort", 0);
-    let (cohort, tally) = (row.value()?, row.numbers(i32::from_le_bytes)?);
-    Ok(Some(FleetShare { fault: String::new(), cohort, tally }))
+    let (fault, cohort) = (by.to_owned(), row.value()?);
+    Ok(Some(FleetShare {
+        fault,
+        cohort,
+        tally: row.numbers(i32::from_le_bytes)?,
+        prior: row.numbers(f64::from_le_bytes)?,
+    }))
 }
 
 async fn sum(connection: &mut SqliteConnection, cohort: &str) -> Result<FleetTally, StoreError> {

@@ -234,6 +234,10 @@ impl Records for SqliteRecords {
         cohorts::tally(&self.readers, cohort, without).await
     }
 
+    async fn forecast_prior(&self, actuator: Id, revision: i64, fault: &str) -> Result<Vec<f64>, StoreError> {
+        cohorts::prior(&self.readers, actuator, revision, fault).await
+    }
+
     async fn fill_trend(&self, step: &TrendRecord) -> Result<bool, StoreError> {
         trend::fill(&self.writer, step).await
     }

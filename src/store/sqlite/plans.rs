@@ -35,6 +35,7 @@ async fn every_hot_query_searches_an_index_and_sorts_nothing() {
         cohorts::SHARE,
         cohorts::SHARE_IN,
         cohorts::SUM,
+        cohorts::PRIOR,
         alerts::OPEN,
         alerts::OF_FORMER_LIVES,
         alerts::LIST,

@@ -153,7 +153,7 @@ async fn a_database_from_before_fleets_learnt_begins_with_no_lives_and_takes_the
     old.close().await;
     let records = SqliteRecords::open(dir.path()).await.unwrap();
     assert_eq!(records.fleet_tally("x", Id::now()).await.unwrap(), FleetTally::default());
-    let shares = [FleetShare { fault: "kgm".into(), cohort: "x".into(), tally: vec![-3, 0] }];
+    let shares = [FleetShare { fault: "kgm".into(), cohort: "x".into(), tally: vec![-3, 0], prior: vec![] }];
     let with = WithForecast { shares: &shares, ..WithForecast::default() };
     assert!(records.store_forecast_with(&forecast(id), &with).await.unwrap());
     let expected = FleetTally { actuators: 1, tally: vec![-3, 0] };

@@ -139,3 +139,29 @@ async fn a_late_trace_of_an_ended_life_is_forecast_without_what_came_after_it() 
     let second = steps(other, false).await;
     assert_eq!(first.faults, second.faults);
 }
+
+#[tokio::test]
+async fn another_question_does_not_move_a_forecast_whatever_others_have_taught_since() {
+    let dir = tempfile::tempdir().unwrap();
+    let bench = worn_fleet(dir.path()).await;
+    let young = registered(&*bench.records, "young").await.id;
+    measured(&*bench.records, young, 300, Some(0.02)).await;
+    let kept = forecast(&bench, young).await;
+    for i in 0..3 {
+        let id = registered(&*bench.records, &format!("short {i}")).await.id;
+        aged(&bench, id, 0, 1500, 0.95).await;
+        forecast(&bench, id).await;
+    }
+    let actuator = bench.records.actuator(young).await.unwrap().unwrap();
+    let asked = bench.jobs.remaining_life(&actuator, Some(777.0), None).await.unwrap();
+    let kgm = &asked["faults"]["kgm"];
+    assert_eq!(kgm["risk"]["within"], 777.0);
+    for same in ["learnt_from", "act_by", "band"] {
+        assert_eq!(kgm[same], kept[same], "{same}");
+    }
+    assert_eq!(kgm["forecast"]["quantiles"], kept["forecast"]["quantiles"]);
+    measured(&*bench.records, young, 310, Some(0.02)).await;
+    let next = forecast(&bench, young).await;
+    assert_eq!(next["learnt_from"], json!({"actuators": 8, "earlier_lives": 0}));
+    assert!(median(&next) < 0.9 * median(&kept), "the next estimate learns of the others: {next}");
+}

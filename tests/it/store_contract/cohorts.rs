@@ -6,7 +6,7 @@ use elevon::store::{Records, StoreError, WithForecast};
 use super::samples::{forecast, measured, registered};
 
 fn share(fault: &str, cohort: &str, tally: &[i32]) -> FleetShare {
-    FleetShare { fault: fault.into(), cohort: cohort.into(), tally: tally.to_vec() }
+    FleetShare { fault: fault.into(), cohort: cohort.into(), tally: tally.to_vec(), prior: vec![0.5, 0.1 + 0.2] }
 }
 
 /// Keeps shares with a forecast of the actuator's newest revision.
@@ -46,6 +46,10 @@ pub async fn contract_a_share_takes_the_place_of_the_earlier_one_of_its_fault(re
     kept(&*records, a, &[share("kgm", "another", &[-5])]).await.unwrap();
     assert_eq!(others(&*records, "x", Id::now()).await, (1, vec![-1, -2]), "it left its cohort");
     assert_eq!(others(&*records, "another", b).await, (1, vec![-5]));
+    assert_eq!(records.forecast_prior(a, 0, "kgm").await.unwrap(), [0.5, 0.1 + 0.2]);
+    for (revision, fault) in [(1, "kgm"), (0, "fdj_n")] {
+        assert!(records.forecast_prior(a, revision, fault).await.unwrap().is_empty(), "{fault} of {revision}");
+    }
     kept(&*records, a, &[]).await.unwrap();
     assert_eq!(others(&*records, "another", b).await, (1, vec![-5]), "a forecast without shares changes none");
     kept(&*records, a, &[share("kgm", "another", &[])]).await.unwrap();
