@@ -431,5 +431,7 @@ mod tests {
             "Actuator EHA-7 (left aileron) of I-ELVN: a failure within the next 100 flight hours has a probability of \
              12.3 %, and 10 % is the limit, at 10 flight hours."
         );
+        let all_but_certain = Cause::Risk { risk: 0.99997, limit: 0.1, within: 100.0, trace_id: None };
+        assert!(message(&actuator, &all_but_certain, 10.0).contains("has a probability of more than 99.9 %, and"));
     }
 }

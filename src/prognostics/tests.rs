@@ -338,6 +338,20 @@ fn a_repair_that_nobody_reported_is_named_and_begins_a_new_life() {
     assert!((medians[0] / medians[1] - 1.0).abs() < 1e-3, "{medians:?}");
 }
 
+#[test]
+fn an_observation_more_moves_the_end_of_life_little() {
+    let history = noisy_line(60, 0.008, 0.02, 11);
+    let end = |n: usize| {
+        let at = history[n - 1].usage;
+        at + forecast(&history[..n], &rising(at)).quantiles.q50.unwrap()
+    };
+    let ends: Vec<f64> = (6..=60).map(end).collect();
+    let moves: Vec<f64> = ends.windows(2).map(|pair| (pair[1] / pair[0] - 1.0).abs()).collect();
+    let mean = moves.iter().sum::<f64>() / moves.len() as f64;
+    let most = moves.iter().copied().fold(0.0, f64::max);
+    assert!(mean < 0.03 && most < 0.25, "moved by {mean} in the mean, {most} at most: {ends:?}");
+}
+
 /// A straight life that ends at `life`, seen every 50 up to `at`.
 fn straight(life: f64, at: f64, seed: u64) -> Vec<Observation> {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
