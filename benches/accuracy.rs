@@ -149,8 +149,7 @@ fn scored(observations: &[Observation], at: f64, end: f64) -> Option<Scored> {
         prior: LifePrior::Age,
     };
     let prognosis = remaining_life(observations, &question).expect("a sound history");
-    let sample = (0..199).map(|i| prognosis.quantile((f64::from(i) + 0.5) / 199.0).unwrap_or(f64::INFINITY)).collect();
-    Scored::of_sample(0.0, at, end, sample)
+    Scored::of_prognosis(0.0, at, end, &prognosis)
 }
 
 fn main() {

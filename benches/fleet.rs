@@ -82,8 +82,7 @@ fn add(sum: &mut Vec<i64>, tally: &[i32]) {
 
 fn scored(observations: &[Observation], at: f64, end: f64, prior: LifePrior) -> Scored {
     let prognosis = remaining_life(observations, &question(at, prior)).expect("a sound history");
-    let sample = (0..200).map(|i| prognosis.quantile((f64::from(i) + 0.5) / 200.0).unwrap_or(f64::INFINITY)).collect();
-    Scored::of_sample(0.0, at, end, sample).expect("a question within the life")
+    Scored::of_prognosis(0.0, at, end, &prognosis).expect("a question within the life")
 }
 
 fn main() {

@@ -227,16 +227,18 @@ impl Jobs {
     pub fn forecast_soon(&self, actuator: Id) {
         let jobs = self.clone();
         self.tasks.spawn(async move {
-            let made = async {
-                if let Some(actuator) = jobs.records.actuator(actuator).await? {
-                    jobs.forecast(&actuator).await?;
-                }
-                Ok::<_, StoreError>(())
-            };
-            if let Err(error) = made.await {
+            if let Err(error) = jobs.refresh(actuator).await {
                 tracing::warn!(actuator_id = %actuator, error = causes(&error), "forecast left to its next reader");
             }
         });
+    }
+
+    /// Brings the forecast of an actuator up to date, if there is such an actuator.
+    async fn refresh(&self, actuator: Id) -> Result<(), StoreError> {
+        if let Some(actuator) = self.records.actuator(actuator).await? {
+            self.forecast(&actuator).await?;
+        }
+        Ok(())
     }
 
     /// The remaining life of an actuator as it is served, with the risk within other usage ahead and at another risk to act
@@ -278,9 +280,7 @@ impl Jobs {
         loop {
             let stale = self.records.stale_forecasts(AT_ONCE).await?;
             for id in &stale {
-                if let Some(actuator) = self.records.actuator(*id).await? {
-                    self.forecast(&actuator).await?;
-                }
+                self.refresh(*id).await?;
             }
             if stale.len() < AT_ONCE as usize {
                 return Ok(());

@@ -70,7 +70,7 @@ pub fn tally(lives: &[LifeEvidence]) -> Option<Vec<i32>> {
         return None;
     }
     let logs: Vec<f64> = SPREADS.iter().flat_map(|&spread| Kernels::of(spread).of_type(lives)).collect();
-    let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let best = highest(&logs);
     Some(logs.iter().map(|log| ((log - best) * STEPS).round() as i32).collect())
 }
 
@@ -101,26 +101,19 @@ impl Fleet {
         let width = cell_width();
         let life = |cell: usize| LIVES.0 * ((cell as f64 + 0.5) * width).exp();
         let told = |kind: usize| self.others.get(kind).map_or(0.0, |&sum| sum as f64 / STEPS);
-        let parts: Vec<(f64, Vec<f64>, Vec<f64>, Kernels)> = SPREADS
-            .iter()
-            .enumerate()
-            .map(|(i, &spread)| {
-                let prior = spread.ln() - 0.5 * (spread / SPREAD).powi(2);
-                let of_type: Vec<f64> =
-                    (0..CELLS).map(|cell| prior + watched(life(cell) / scale) + told(i * CELLS + cell)).collect();
-                let kernels = Kernels::of(spread);
-                let of_actuator = kernels.of_actuator(&self.earlier);
-                let best = of_type.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                (best, of_type, of_actuator, kernels)
-            })
-            .collect();
-        let best = parts.iter().map(|part| part.0).fold(f64::NEG_INFINITY, f64::max);
-        let best_own = parts.iter().flat_map(|part| &part.2).copied().fold(f64::NEG_INFINITY, f64::max);
+        let of_type = SPREADS.iter().enumerate().flat_map(|(i, spread)| {
+            let prior = spread.ln() - 0.5 * (spread / SPREAD).powi(2);
+            (0..CELLS).map(move |cell| prior + watched(life(cell) / scale) + told(i * CELLS + cell))
+        });
+        let of_type = relative(&of_type.collect::<Vec<_>>());
+        let kernels = SPREADS.map(Kernels::of);
+        let of_actuator = kernels.iter().flat_map(|kernels| kernels.of_actuator(&self.earlier));
+        let of_actuator = relative(&of_actuator.collect::<Vec<_>>());
         let mut density = vec![0.0; CELLS];
-        for (_, of_type, of_actuator, kernels) in &parts {
-            let of_type: Vec<f64> = of_type.iter().map(|log| (log - best).exp()).collect();
-            let mut median = smoothed(&kernels.between, &of_type);
-            median.iter_mut().zip(of_actuator).for_each(|(m, log)| *m *= (log - best_own).exp());
+        let of_spreads = of_type.chunks_exact(CELLS).zip(of_actuator.chunks_exact(CELLS));
+        for (kernels, (of_type, of_actuator)) in kernels.iter().zip(of_spreads) {
+            let mut median = smoothed(&kernels.between, of_type);
+            median.iter_mut().zip(of_actuator).for_each(|(m, told)| *m *= told);
             let lives = smoothed(&kernels.within, &median);
             density.iter_mut().zip(lives).for_each(|(d, life)| *d += life);
         }
@@ -191,10 +184,20 @@ impl Kernels {
     /// The logarithm of the likelihood of every median of the type.
     fn of_type(&self, lives: &[LifeEvidence]) -> Vec<f64> {
         let logs = self.of_actuator(lives);
-        let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let medians: Vec<f64> = logs.iter().map(|log| (log - best).exp()).collect();
-        smoothed(&self.between, &medians).iter().map(|sum| sum.max(f64::MIN_POSITIVE).ln() + best).collect()
+        let medians = smoothed(&self.between, &relative(&logs));
+        let best = highest(&logs);
+        medians.iter().map(|sum| sum.max(f64::MIN_POSITIVE).ln() + best).collect()
     }
+}
+
+fn highest(logs: &[f64]) -> f64 {
+    logs.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// From logarithms to shares of the best.
+fn relative(logs: &[f64]) -> Vec<f64> {
+    let best = highest(logs);
+    logs.iter().map(|log| (log - best).exp()).collect()
 }
 
 /// The sums over all cells, each weighed by its distance; what lies outside is left out.

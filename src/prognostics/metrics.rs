@@ -7,6 +7,11 @@ use std::ops::Range;
 
 use serde::Serialize;
 
+use super::forecast::Prognosis;
+
+/// Quantiles that stand for a prognosis.
+const SAMPLE: usize = 199;
+
 /// What a forecast says beyond this many ages counts as this many.
 const REMAINING_AGES_MAX: f64 = 20.0;
 
@@ -53,6 +58,14 @@ impl Scored {
         }
         sample.sort_unstable_by(f64::total_cmp);
         Some(Self { life_start, at, end_of_life, remaining: sample })
+    }
+
+    /// The same of a prognosis, by 199 of its quantiles; `None` also without a forecast.
+    #[must_use]
+    pub fn of_prognosis(life_start: f64, at: f64, end_of_life: f64, prognosis: &Prognosis) -> Option<Self> {
+        prognosis.forecast.as_ref()?;
+        let remaining = |i: usize| prognosis.quantile((i as f64 + 0.5) / SAMPLE as f64).unwrap_or(f64::INFINITY);
+        Self::of_sample(life_start, at, end_of_life, (0..SAMPLE).map(remaining).collect())
     }
 
     /// The true remaining life, in usage.

@@ -30,46 +30,42 @@ pub enum LifePrior {
 impl LifePrior {
     /// The prior of the life of a part with a scale, in usage.
     pub(super) fn at(&self, scale: f64) -> ScaledPrior {
-        let law = match self {
-            Self::Age => Law::Age,
-            Self::Watched => Law::Watched,
-            Self::Fleet(fleet) => Law::Fleet(fleet.prior(scale)),
-            Self::Kept(prior) => Law::Fleet(prior.clone()),
-        };
-        ScaledPrior { law, scale }
+        match self {
+            Self::Age => ScaledPrior::Age,
+            Self::Watched => ScaledPrior::Watched,
+            Self::Fleet(fleet) => ScaledPrior::Fleet { prior: fleet.prior(scale), scale },
+            Self::Kept(prior) => ScaledPrior::Fleet { prior: prior.clone(), scale },
+        }
     }
 }
 
 /// The prior of the life of one part.
 #[derive(Debug)]
-pub(super) struct ScaledPrior {
-    law: Law,
-    /// The usage of one scale.
-    scale: f64,
-}
-
-#[derive(Debug)]
-enum Law {
+pub(super) enum ScaledPrior {
     Age,
     Watched,
-    Fleet(FleetPrior),
+    /// The fleet's, with the usage of one scale.
+    Fleet {
+        prior: FleetPrior,
+        scale: f64,
+    },
 }
 
 impl ScaledPrior {
     /// What the fleet has to it.
     pub(super) fn into_fleet(self) -> Option<FleetPrior> {
-        match self.law {
-            Law::Fleet(prior) => Some(prior),
-            Law::Age | Law::Watched => None,
+        match self {
+            Self::Fleet { prior, .. } => Some(prior),
+            Self::Age | Self::Watched => None,
         }
     }
 
     /// The logarithm of the density of the logarithm of a life of so many scales.
     pub(super) fn log_density(&self, life: f64) -> f64 {
-        match &self.law {
-            Law::Age => log_density((life / AGES).ln() / DEVIATION, DEVIATION),
-            Law::Watched => watched(life),
-            Law::Fleet(fleet) => fleet.log_density(life * self.scale, watched(life)),
+        match self {
+            Self::Age => log_density((life / AGES).ln() / DEVIATION, DEVIATION),
+            Self::Watched => watched(life),
+            Self::Fleet { prior, scale } => prior.log_density(life * scale, watched(life)),
         }
     }
 }

@@ -10,8 +10,6 @@ use super::{RemainingLifeArgs, of_each};
 use crate::cli::Failure;
 use crate::prognostics::metrics::{self, Course, Criteria, Figures, Scored};
 
-/// Quantiles that stand for a forecast.
-const SAMPLE: usize = 199;
 /// The parts of a life by which the figures are told.
 const PARTS: usize = 5;
 
@@ -78,16 +76,13 @@ fn forecasts(args: &RemainingLifeArgs, case: &Case<'_>) -> Result<Made, Failure>
         let expected = "expected the usage at which life ended, to score the forecasts";
         refused(args, &format!("{}: missing, {expected}", case.history.place_of_field("eol")))
     })?;
-    let probabilities: Vec<f64> = (0..SAMPLE).map(|i| (i as f64 + 0.5) / SAMPLE as f64).collect();
     let mut made = Made::default();
     for at in case.at(args)? {
         let started = Instant::now();
         let prognosis = case.prognosis(args, at)?;
         let elapsed_s = started.elapsed().as_secs_f64();
-        let scored = prognosis.zip(case.start()).and_then(|(prognosis, start)| {
-            let remaining = |&p: &f64| prognosis.quantile(p).unwrap_or(f64::INFINITY);
-            Scored::of_sample(start, at, end_of_life, probabilities.iter().map(remaining).collect())
-        });
+        let known = prognosis.zip(case.start());
+        let scored = known.and_then(|(prognosis, start)| Scored::of_prognosis(start, at, end_of_life, &prognosis));
         match scored {
             Some(scored) => {
                 made.scored.push(scored);

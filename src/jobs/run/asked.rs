@@ -65,22 +65,26 @@ impl AskedFault {
     /// Whether a life is known from its beginning. Where traces begin with a part in service, its life counts from the first of
     /// them, and can be compared with none.
     pub fn is_seen_from_new(&self, life: &LifeHistory) -> bool {
-        let near_new = |first: &Observation| {
+        let near_new = |first: Observation| {
             let level = (first.value - 2.0 * first.std.unwrap_or(0.0) - self.healthy) / (self.threshold - self.healthy);
             first.usage <= NEW_WINDOWS * self.risk_window && level < NEW_LEVEL
         };
-        life.life_start_usage.is_some() || self.observations(&life.records).first().is_none_or(near_new)
+        let first = || self.observed(&life.records).min_by(|a, b| a.usage.total_cmp(&b.usage));
+        life.life_start_usage.is_some() || first().is_none_or(near_new)
     }
 
     /// What was observed, in the order of usage.
     fn observations(&self, history: &[HealthRecord]) -> Vec<Observation> {
-        let observe = |record: &HealthRecord| {
-            let (value, std) = (self.figure)(record);
-            Some(Observation { usage: record.usage, value: value?, std })
-        };
-        let mut observations: Vec<_> = history.iter().filter_map(observe).collect();
+        let mut observations: Vec<_> = self.observed(history).collect();
         observations.sort_by(|a, b| a.usage.total_cmp(&b.usage));
         observations
+    }
+
+    fn observed(&self, history: &[HealthRecord]) -> impl Iterator<Item = Observation> {
+        history.iter().filter_map(|record| {
+            let (value, std) = (self.figure)(record);
+            Some(Observation { usage: record.usage, value: value?, std })
+        })
     }
 }
 

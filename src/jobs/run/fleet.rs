@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::asked::AskedFault;
+use super::predict::RiskQuestion;
 use crate::jobs::lives;
 use crate::prognostics::{FLEET_MODEL, Fleet, FleetPrior, LifeEvidence, LifePrior, tally};
 use crate::store::records::{Actuator, FleetShare, FleetTally, ForecastRecord};
@@ -48,6 +49,7 @@ pub(super) async fn known(
     records: &dyn Records,
     actuator: &Actuator,
     history: &LifeHistory,
+    asked: &RiskQuestion,
 ) -> Result<KnownLives, StoreError> {
     let mut earlier = Vec::new();
     if let Some(began) = history.life_started_at {
@@ -62,7 +64,7 @@ pub(super) async fn known(
             }
         }
     }
-    let [kgm, fdj_n] = AskedFault::all(actuator, 0.0).map(|fault| cohort(actuator, &fault));
+    let [kgm, fdj_n] = AskedFault::all(actuator, asked.risk_window).map(|fault| cohort(actuator, &fault));
     let others = [records.fleet_tally(&kgm, actuator.id).await?, records.fleet_tally(&fdj_n, actuator.id).await?];
     Ok(KnownLives { others, earlier, taken: None })
 }
@@ -72,9 +74,10 @@ pub(super) async fn taken(
     records: &dyn Records,
     actuator: &Actuator,
     forecast: &ForecastRecord,
+    asked: &RiskQuestion,
 ) -> Result<KnownLives, StoreError> {
     let mut taken = <[Taken; 2]>::default();
-    for (taken, fault) in taken.iter_mut().zip(AskedFault::all(actuator, 0.0)) {
+    for (taken, fault) in taken.iter_mut().zip(AskedFault::all(actuator, asked.risk_window)) {
         let density = records.forecast_prior(actuator.id, forecast.revision, fault.name).await?;
         let told = &forecast.document["faults"][fault.name]["learnt_from"];
         *taken = Taken {

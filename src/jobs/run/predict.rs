@@ -143,9 +143,10 @@ pub(in crate::jobs) async fn forecast(
     {
         return Ok(stored);
     }
+    let asked = settings.asked();
     let (actuator, history) = as_they_are(records, actuator).await?;
-    let known = fleet::known(records, &actuator, &history).await?;
-    let (Predicted { life, shares }, history) = computed(compute, &actuator, history, known, &settings.asked()).await;
+    let known = fleet::known(records, &actuator, &history, &asked).await?;
+    let (Predicted { life, shares }, history) = computed(compute, &actuator, history, known, &asked).await;
     let forecast = ForecastRecord {
         actuator_id: actuator.id,
         revision: history.revision,
@@ -176,9 +177,9 @@ pub(in crate::jobs) async fn answer(
 ) -> Result<RemainingLife, StoreError> {
     let (actuator, history) = as_they_are(records, actuator).await?;
     let known = if history.revision == kept.revision {
-        fleet::taken(records, &actuator, kept).await?
+        fleet::taken(records, &actuator, kept, asked).await?
     } else {
-        fleet::known(records, &actuator, &history).await?
+        fleet::known(records, &actuator, &history, asked).await?
     };
     Ok(computed(compute, &actuator, history, known, asked).await.0.life)
 }
@@ -236,8 +237,9 @@ pub(in crate::jobs) async fn fill_trend(
     }
     let Some(place) = history.records.iter().position(|record| record.trace_id == trace) else { return Ok(()) };
     history.records.truncate(place + 1);
-    let known = fleet::known(records, actuator, &history).await?;
-    let (Predicted { life, .. }, history) = computed(compute, actuator, history, known, &settings.asked()).await;
+    let asked = settings.asked();
+    let known = fleet::known(records, actuator, &history, &asked).await?;
+    let (Predicted { life, .. }, history) = computed(compute, actuator, history, known, &asked).await;
     match trend::step(records::now(), settings, &life, &history) {
         Some(step) => records.fill_trend(&step).await.map(drop),
         None => Ok(()),

@@ -1,5 +1,8 @@
 //! What the lives of the actuators of a cohort say, in SQLite: the share of each actuator, and their sums.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
 use sqlx::SqliteConnection;
 use sqlx::sqlite::SqlitePool;
 
@@ -27,20 +30,26 @@ pub(super) async fn keep(
     share: &FleetShare,
 ) -> Result<(), StoreError> {
     let before = share_at(connection, SHARE, actuator, &share.fault).await?;
-    if before.as_ref() == Some(share) {
-        return Ok(());
-    }
-    if let Some(before) = &before {
-        let mut sum = sum(connection, &before.cohort).await?;
-        change(&mut sum, before, -1)?;
-        keep_sum(connection, &before.cohort, &sum).await?;
+    let after = Some(share).filter(|share| !share.tally.is_empty());
+    let same =
+        |(before, after): (&FleetShare, &FleetShare)| (&before.cohort, &before.tally) == (&after.cohort, &after.tally);
+    if !before.as_ref().zip(after).is_some_and(same) {
+        // Most often both are of one cohort, whose sum is then read and written once.
+        let mut sums = BTreeMap::new();
+        for (share, times) in before.iter().map(|share| (share, -1)).chain(after.map(|share| (share, 1))) {
+            let sum = match sums.entry(&share.cohort) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(unread) => unread.insert(sum(connection, &share.cohort).await?),
+            };
+            change(sum, share, times)?;
+        }
+        for (cohort, sum) in sums {
+            keep_sum(connection, cohort, &sum).await?;
+        }
     }
     let query = if share.tally.is_empty() {
         sqlx::query(FORGET_SHARE).bind(actuator.to_string()).bind(&share.fault)
     } else {
-        let mut sum = sum(connection, &share.cohort).await?;
-        change(&mut sum, share, 1)?;
-        keep_sum(connection, &share.cohort, &sum).await?;
         let tally: Vec<u8> = share.tally.iter().flat_map(|number| number.to_le_bytes()).collect();
         let prior: Vec<u8> = share.prior.iter().flat_map(|number| number.to_le_bytes()).collect();
         let query = sqlx::query(KEEP_SHARE).bind(actuator.to_string()).bind(&share.fault).bind(&share.cohort);
