@@ -9,6 +9,8 @@ use super::life::{self, Life};
 
 /// Nodes of the survival function, denser near now.
 const NODES: usize = 32;
+/// Where the survival leaves 1 and comes to 0, for the mean of a narrow forecast.
+const ENDS: [f64; 2] = [0.001, 0.999];
 
 /// How near a quantile that is asked for comes, as a share of it.
 const QUANTILE_TOLERANCE: f64 = 1e-6;
@@ -163,13 +165,16 @@ pub(super) fn forecast(lives: &[Life], at: f64, horizon: f64, reached: bool, mod
             (elapsed, survives(elapsed))
         })
         .collect();
-    let quantiles = PROBABILITIES.map(|p| {
+    let quantile = |p: f64| {
         let next = nodes.iter().position(|node| 1.0 - node.1 >= p)?;
         let previous = nodes[next.saturating_sub(1)].0;
         Some(life::quantile(previous, nodes[next].0, p, |elapsed| 1.0 - survives(elapsed)))
-    });
+    };
+    let quantiles = PROBABILITIES.map(quantile);
+    let known = quantiles.into_iter().zip(PROBABILITIES).chain(ENDS.map(|p| (quantile(p), p)));
+    let between: Vec<_> = known.filter_map(|(q, p)| Some((q?, 1.0 - p))).filter(|node| node.0 > 0.0).collect();
     let beyond = nodes[NODES].1;
-    nodes.extend(quantiles.iter().zip(PROBABILITIES).filter_map(|(q, p)| Some(((*q)?, 1.0 - p))).filter(|n| n.0 > 0.0));
+    nodes.extend(between);
     nodes.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mean: f64 = nodes.windows(2).map(|pair| 0.5 * (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1)).sum();
     let [q05, q10, q25, q50, q75, q90, q95] = quantiles;

@@ -101,7 +101,8 @@ pub(super) fn posterior(points: &[Point], setting: Setting<'_>) -> Posterior {
     let monotone = monotone(points, &candidates, setting);
     let total: f64 = candidates.iter().map(|c| c.weight).sum();
     let share = |shape: fn(&Shape) -> bool| {
-        candidates.iter().filter(|c| shape(&c.shape)).map(|c| c.weight).sum::<f64>() / total
+        // A sum of nothing is a negative zero.
+        (0.0 + candidates.iter().filter(|c| shape(&c.shape)).map(|c| c.weight).sum::<f64>()) / total
     };
     let linear = share(|s| matches!(s, Shape::Linear));
     let exponential = share(|s| matches!(s, Shape::Exponential { .. }));

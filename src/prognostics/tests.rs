@@ -210,6 +210,16 @@ fn an_uncertain_observation_weighs_less() {
 }
 
 #[test]
+fn the_mean_of_a_narrow_forecast_lies_within_it_and_no_probability_is_negative() {
+    let straight = observed((0..5000).map(|i| (f64::from(i), 0.5 * f64::from(i) / 5000.0)));
+    let prognosis = remaining_life(&straight, &rising(4999.0)).unwrap();
+    let Forecast { quantiles, mean, .. } = prognosis.forecast.unwrap();
+    let (low, high) = (quantiles.q25.unwrap(), quantiles.q75.unwrap());
+    assert!((low..high).contains(&mean.unwrap()), "{mean:?} of {quantiles:?}");
+    assert!(prognosis.laws.iter().all(|(_, probability)| probability.is_sign_positive()), "{:?}", prognosis.laws);
+}
+
+#[test]
 fn a_long_history_says_what_a_short_one_does_and_more_surely() {
     let width = |n| {
         let q = forecast(&noisy_line(n, 0.005, 0.05, 21), &rising(100.0)).quantiles;
